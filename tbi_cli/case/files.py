@@ -1,0 +1,66 @@
+"""Reads a text file that a stranger may have named: only regular files, only UTF-8, never more than 1 MB."""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+from pathlib import Path
+
+from tbi_cli.case.messages import CaseError, Place, Problem, Source, fail
+
+MAX_BYTES = 1_000_000
+# Control characters, and the line ends of YAML 1.1 that nobody's editor shows as such.
+_FORBIDDEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff\ufffe\uffff]")
+_KINDS = (
+    (stat.S_ISDIR, "a directory"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISSOCK, "a socket"),
+)
+
+
+def read_source(path: Path, name: str) -> Source:
+    """The text of `path`, called `name` in messages.
+
+    Raises CaseError when it is missing, unreadable, not a regular file, too large, not UTF-8 or holds
+    control characters.
+    """
+    try:
+        status = path.stat()
+        for is_kind, kind in _KINDS:
+            if is_kind(status.st_mode):
+                raise fail(name, f"expected a file, got {kind}")
+        with path.open("rb") as file:
+            # The size that stat tells is not to be relied on: /proc says 0 for files without end.
+            content = file.read(MAX_BYTES + 1)
+    except FileNotFoundError:
+        raise fail(name, "no such file") from None
+    except (OSError, ValueError) as error:
+        reason = (
+            os.strerror(error.errno).lower() if isinstance(error, OSError) and error.errno else str(error)
+        )
+        raise fail(name, f"cannot be read: {reason}") from None
+    if len(content) > MAX_BYTES:
+        raise fail(name, f"larger than {MAX_BYTES} bytes, too large for a case file")
+    return decoded(content, name, path.parent)
+
+
+def decoded(content: bytes, name: str, folder: Path) -> Source:
+    """The bytes as text; raises CaseError with the place of what is not UTF-8 or not printable."""
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise fail(name, f"not UTF-8 text: byte {content[error.start]:#04x} on line {line}") from None
+    return checked(Source(name=name, text=text, folder=folder))
+
+
+def checked(source: Source) -> Source:
+    """The same source; raises CaseError where it holds control characters, or bytes that are not text."""
+    found = _FORBIDDEN.search(source.text)
+    if found:
+        place = Place(source, *source.position(found.start()))
+        raise CaseError([Problem(place, "", f"control character U+{ord(found[0]):04X}")])
+    return source

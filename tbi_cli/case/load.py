@@ -1,0 +1,222 @@
+"""From a case file to a Case: read, include, override, validate, and say everything that is wrong at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from tbi_cli.case.checks import Finding, contradictions, oddities, sweep_contradictions
+from tbi_cli.case.document import Document, ExtraAxis
+from tbi_cli.case.keys import accepts, fields_of, is_list, part_of
+from tbi_cli.case.messages import CaseError, Place, Problem, fail, in_order, quoted, suggestion
+from tbi_cli.case.model import Case, union
+from tbi_cli.case.part import Part
+from tbi_cli.case.studies import STUDIES, studies_in, told_once
+from tbi_cli.case.sweep import Sweep, missing_but_swept
+from tbi_cli.case.track_file import resolve_track
+from tbi_cli.case.train import TRAINS, VEHICLES
+from tbi_cli.case.yaml12 import Items, Mapping, Node, Scalar, entry_place, node_place, plain
+
+
+def load_case(
+    source: str | Path | None = None,
+    *,
+    overrides: Sequence[str] = (),
+    extra_axis: ExtraAxis | None = None,
+    strict: bool = False,
+) -> Case:
+    """The case in a file, validated and in SI.
+
+    source: a path, or the name of a built-in case (None: the paper's, `paper`). overrides: `KEY=VALUE`,
+    applied in this order, VALUE being YAML; the value null takes a key away. extra_axis: one more swept axis.
+    strict: odd values are errors too; otherwise they are in `warnings` of the case.
+
+    Raises CaseError, whose text holds every problem found, each with its place.
+    """
+    document = Document(source)
+    for option in overrides:
+        try:
+            document.override(option)
+        except CaseError as error:
+            document.problems += error.problems
+    for key in ("train", "bridge"):
+        document.include(key)
+    if STUDIES in document.root.entries:
+        return _with_studies(document, extra_axis, strict)
+    document.problems += resolve_track(document.root)
+    if extra_axis is not None:
+        document.add_axis(extra_axis)
+    return _validated(document, strict)
+
+
+def _with_studies(document: Document, extra_axis: ExtraAxis | None, strict: bool) -> Case:
+    """The case of a file with `studies:`, each of them a case of its own."""
+    if extra_axis is not None:
+        raise fail(f"sweep {extra_axis.name}", "the studies of this case have their own sweeps")
+    studies: dict[str, Case] = {}
+    found: dict[str, tuple[Problem, ...]] = {}
+    for name, study in studies_in(document):
+        for key in ("train", "bridge"):
+            study.include(key)
+        study.problems += resolve_track(study.root)
+        try:
+            studies[name] = _validated(study, strict)
+        except CaseError as error:
+            found[name] = error.problems
+    problems = [*document.problems, *told_once(found, len(studies) + len(found))]
+    if problems:
+        raise CaseError(in_order(problems, document.root.source))
+    return union(studies, plain(document.root).get("title", ""))
+
+
+def _validated(document: Document, strict: bool) -> Case:
+    root = document.root
+    sweep = Sweep(root)
+    axes = sweep.axes
+    for path, value in missing_but_swept(axes):
+        _set_if_missing(root, path, value)
+    values = {key: value for key, value in plain(root).items() if key != "sweep"}
+    problems = [*document.problems, *sweep.problems]
+    case: Case | None = None
+    try:
+        case = Case.model_validate(values)
+    except ValidationError as error:
+        problems += [problem for problem in _problems(error, root) if problem.key not in document.failed]
+    problems += _located(contradictions(values), root)
+    if case is not None and not problems:
+        problems += _located(sweep_contradictions(case, axes), root)
+    if case is not None and not problems:
+        warnings = _located(oddities(case, axes, lambda key: _has_unit(root, key)), root)
+        if not strict or not warnings:
+            return case.swept(axes, tuple(warning.render("warning") for warning in warnings))
+        problems = warnings
+    raise CaseError(in_order(problems, root.source))
+
+
+def _set_if_missing(root: Mapping, path: str, value: float) -> None:
+    """A swept key may be left out of the file; its first value stands in."""
+    words = path.split(".")
+    mapping = root
+    sweep = root.entries["sweep"].value
+    for depth, word in enumerate(words[:-1]):
+        inner = mapping.get(word)
+        if inner is None and (depth > 0 or word not in ("train", "bridge")):
+            inner = Mapping(sweep.source, sweep.line, sweep.column)
+            mapping.put(word, inner)
+        if not isinstance(inner, Mapping):
+            return
+        mapping = inner
+    if mapping.get(words[-1]) is None:
+        mapping.put(words[-1], Scalar(sweep.source, sweep.line, sweep.column, value=value))
+
+
+def _located(findings: Iterable[Finding], root: Mapping) -> list[Problem]:
+    return [Problem(_place(root, _words(key)), key, text) for key, text in findings]
+
+
+def _has_unit(root: Mapping, key: str) -> bool:
+    """Whether the value of a key, or every value of an axis, was written as a text."""
+    node = _node(root, _words(key))
+    nodes = node.items if isinstance(node, Items) else [node]
+    return all(isinstance(item, Scalar) and isinstance(item.value, str) for item in nodes)
+
+
+def _words(key: str) -> list[str | int]:
+    if key.startswith("sweep."):
+        return ["sweep", key.removeprefix("sweep.")]
+    return [int(word) if word.isdigit() else word for word in key.split(".")]
+
+
+def _place(root: Mapping, words: Sequence[str | int]) -> Place:
+    """The place of a key, or of the nearest mapping around it that is there."""
+    place = node_place(root)
+    node: Node = root
+    for word in words:
+        if isinstance(node, Mapping) and str(word) in node.entries:
+            entry = node.entries[str(word)]
+            included = isinstance(entry.value, Mapping) and entry.value.source is not entry.source
+            place, node = (node_place(entry.value) if included else entry_place(entry)), entry.value
+        elif isinstance(node, Items) and isinstance(word, int) and word < len(node.items):
+            node = node.items[word]
+            place = node_place(node)
+        else:
+            break
+    return place
+
+
+def _problems(error: ValidationError, root: Mapping) -> Iterable[Problem]:
+    """pydantic's errors in our words."""
+    for item in error.errors(include_url=False, include_context=True):
+        # Among the words are the models by which pydantic tells trains and vehicles apart: no keys.
+        loc = item["loc"]
+        tagged = {depth for depth in range(1, len(loc)) if loc[depth - 1] in ("train", "vehicle")}
+        words = [w for depth, w in enumerate(loc) if not (depth in tagged and w in TRAINS)]
+        if "damping" in words:
+            # The coefficient may stand without its name.
+            at = words.index("damping")
+            if words[at + 1 :] == ["coefficient"] and not isinstance(_node(root, words[: at + 1]), Mapping):
+                words = words[: at + 1]
+        if words[-1:] in (["train"], ["vehicle"]) and item["type"].startswith("union_tag"):
+            words = [*words, "model"]
+        key = ".".join(str(word) for word in words)
+        yield Problem(_place(root, words), key, _text(item["type"], item, words, root))
+
+
+def _node(root: Node, words: Sequence[str | int]) -> Node | None:
+    node: Node | None = root
+    for word in words:
+        if isinstance(node, Mapping):
+            node = node.get(str(word))
+        elif isinstance(node, Items) and isinstance(word, int) and word < len(node.items):
+            node = node.items[word]
+        else:
+            return None
+    return node
+
+
+def _text(kind: str, item: Any, words: Sequence[str | int], root: Mapping) -> str:
+    if kind == "tbi":
+        return str(item["msg"])
+    around = _part_at(words[:-1], root)
+    if kind == "extra_forbidden":
+        known = [*fields_of(around), *(["sweep", STUDIES] if around is Case else [])] if around else []
+        return f"unknown key; {suggestion(str(words[-1]), known)}"
+    expected = _expected(words, root)
+    if kind in ("missing", "union_tag_not_found"):
+        return f"missing; expected {expected}"
+    got = item["input"]
+    return f"expected {expected}, got {quoted(got.get('model') if kind == 'union_tag_invalid' else got)}"
+
+
+def _expected(words: Sequence[str | int], root: Mapping) -> str:
+    if words[-1] == "model" and words[-2] in ("train", "vehicle"):
+        return f"one of {', '.join(TRAINS if words[-2] == 'train' else VEHICLES)}"
+    if words[-1] in ("train", "bridge", "vehicle"):
+        return f"a file, a built-in {'bridge' if words[-1] == 'bridge' else 'train'} or a mapping"
+    around = _part_at(words[:-1], root)
+    found = fields_of(around).get(str(words[-1])) if around and words else None
+    part = _part_at(words, root)
+    if part is not None:
+        each = "a list, each " if found and is_list(found[1]) and words[-1] == found[0] else ""
+        return f"{each}a mapping with the keys {', '.join(fields_of(part))}"
+    if found is None:
+        return "something else"
+    field = accepts(found[1])
+    assert field is not None
+    return f"a list, each {field.expected()}" if is_list(found[1]) else field.expected()
+
+
+def _part_at(words: Sequence[str | int], root: Mapping) -> type[Part] | None:
+    """What the mapping at these words should be; of a train or vehicle, by the model that it names."""
+    part: type[Part] | None = Case
+    for depth, word in enumerate(words):
+        if isinstance(word, int):
+            continue
+        found = fields_of(part).get(word) if part else None
+        model = _node(root, [*words[: depth + 1], "model"])
+        named = model.value if isinstance(model, Scalar) and isinstance(model.value, str) else None
+        part = part_of(found[1], named) if found else None
+    return part

@@ -1,0 +1,77 @@
+"""The vehicles that run on one beam; every number in SI."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from pydantic import model_validator
+
+from tbi_cli.case.fields import DAMPING, FORCE, INERTIA, LENGTH, MASS, STIFFNESS, Quantity, rejected
+from tbi_cli.case.messages import plain_number
+from tbi_cli.case.part import Part
+
+MOST_FORCES = 1000
+_DAMPING = Quantity(
+    "damping of each spring; 0 for none", DAMPING, "40 kN*s/m", "not negative", usual=(1.0, 1e7)
+)
+_SPRUNG = (1.0, 1e6)
+
+
+class SprungMass(Part):
+    """A mass on one spring-damper on the right beam (the paper's first verification case)."""
+
+    model: Literal["sprung-mass"]
+    mass: Annotated[float, Quantity("sprung mass M_v", MASS, "5750 kg", usual=_SPRUNG)]
+    stiffness: Annotated[
+        float, Quantity("stiffness k_v of its spring", STIFFNESS, "1595 kN/m", usual=(1e3, 1e9))
+    ]
+    damping: Annotated[float, _DAMPING]
+
+
+class RigidBeam(Part):
+    """A rigid beam on two equal spring-dampers on the right beam (the paper's second verification case)."""
+
+    model: Literal["rigid-beam"]
+    mass: Annotated[float, Quantity("mass M_v of the rigid beam", MASS, "540 t", usual=_SPRUNG)]
+    pitch_inertia: Annotated[
+        float, Quantity("pitch inertia about the centre", INERTIA, "13800 t*m^2", usual=(1e2, 1e9))
+    ]
+    support_distance: Annotated[
+        float, Quantity("distance d of the two springs", LENGTH, "17.5 m", usual=(1, 60))
+    ]
+    stiffness: Annotated[
+        float, Quantity("stiffness k_v of each spring", STIFFNESS, "41.35e3 kN/m", usual=(1e3, 1e9))
+    ]
+    damping: Annotated[float, _DAMPING]
+
+
+FORCE_OF_AXLE = Quantity("force, downward", FORCE, "56.4 kN", usual=(1e2, 1e7))
+POSITION_OF_AXLE = Quantity("distance behind the first force", LENGTH, "2.5 m", "not negative", (0.1, 1000))
+
+
+class MovingLoad(Part):
+    """Forces of constant size that cross the right beam."""
+
+    model: Literal["moving-load"]
+    forces: tuple[Annotated[float, FORCE_OF_AXLE], ...]
+    positions: tuple[Annotated[float, POSITION_OF_AXLE], ...] = (0.0,)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> MovingLoad:
+        problem = ""
+        if not self.forces:
+            problem = "expected at least one force"
+        elif len(self.forces) > MOST_FORCES:
+            problem = f"expected at most {MOST_FORCES} forces, got {len(self.forces)}"
+        elif len(self.positions) != len(self.forces):
+            problem = (
+                f"expected one position for each of the {len(self.forces)} forces, got {len(self.positions)}"
+            )
+        elif self.positions[0] != 0:
+            problem = f"expected the first position to be 0, got {plain_number(self.positions[0])}"
+        elif any(b < a for a, b in pairwise(self.positions)):
+            problem = "expected positions in rising order"
+        if problem:
+            raise rejected(problem)
+        return self

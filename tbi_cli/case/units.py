@@ -1,0 +1,120 @@
+"""Numbers with units to SI, once, at the edge. pint is imported only when a unit is met.
+
+The registry is a small one of our own (units.txt): quick to load, and free of the surprises that a full
+one has for an engineer (there `t` may be a ton, `h` Planck's constant). Factors are exact fractions, so that
+"300 km/h" is the float nearest to 83.333... and "0.5 %" is 0.005.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from fractions import Fraction
+from functools import cache, lru_cache
+from importlib import resources
+from typing import Any
+
+NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
+_WITH_UNIT = re.compile(rf"({NUMBER})\s*(.*)", re.DOTALL)
+# Only what looks like a unit reaches pint, whose parser would evaluate 9**9**9.
+_POWER = r"[A-Za-z]+(?:(?:\^|\*\*)-?[1-9])?"
+_PRODUCT = rf"{_POWER}(?:[*/ ]{_POWER})*"
+_UNIT = re.compile(rf"(?:1/)?(?:{_POWER}|\({_PRODUCT}\))(?:[*/ ](?:{_POWER}|\({_PRODUCT}\)))*")
+_MAX_UNIT = 40
+_MAX_NUMBER = 60
+_TYPED = str.maketrans(
+    {"²": "^2", "³": "^3", "⁴": "^4", "·": "*", "×": "*", "⋅": "*", "%": "percent", "‰": "permille"}
+)
+
+
+class UnitError(ValueError):
+    """A text that is not a number with a fitting unit; the message is the reason, without the value."""
+
+
+def to_si(text: str, unit: str) -> float:
+    """The number in `text`, which may carry a unit, in the SI unit `unit` ("N/m", "1").
+
+    A text without a unit is a number in SI. Raises UnitError when it is not a number with a unit of the same
+    dimension as `unit`.
+    """
+    found = _WITH_UNIT.fullmatch(text.strip())
+    if not found or len(found[1]) > _MAX_NUMBER:
+        raise UnitError("no number")
+    number, written = found[1], found[2].strip()
+    if not math.isfinite(float(number)):
+        raise UnitError("too large")
+    if not written:
+        return float(number)
+    if abs(float(number)) > 1e200 or 0 < abs(float(number)) < 1e-200:
+        raise UnitError("too large or too small")
+    factor, dimension = _unit(written)
+    if dimension != _unit(unit)[1]:
+        raise UnitError(f'"{written}" is {_named(dimension)}')
+    return float(Fraction(number) * factor)
+
+
+@lru_cache(maxsize=1024)
+def _unit(written: str) -> tuple[Fraction, tuple[tuple[str, Fraction], ...]]:
+    """Factor to SI and dimension of a unit such as "kN*s/m^2"."""
+    if written == "1":
+        return Fraction(1), ()
+    text = re.sub(r"\s*([*/^()])\s*", r"\1", re.sub(r"\s+", " ", written[:_MAX_UNIT].translate(_TYPED)))
+    # "Pas" would be the plural of Pa.
+    if len(written) > _MAX_UNIT or not _UNIT.fullmatch(text) or re.search(r"Pas\b", text):
+        raise UnitError(f'no unit "{written[:_MAX_UNIT]}"')
+    import pint
+
+    registry = _registry()
+    try:
+        units = registry.parse_units(text.replace(" ", "*").replace("^", "**"))
+        factor, base = registry.get_base_units(units)
+    except (
+        pint.errors.PintError,
+        ValueError,
+        TypeError,
+        AttributeError,
+        ArithmeticError,
+        SyntaxError,
+        KeyError,
+    ):
+        raise UnitError(f'no unit "{written}"') from None
+    dimension = tuple(sorted((str(name), Fraction(power)) for name, power in base.dimensionality.items()))
+    return Fraction(factor), dimension
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    with resources.as_file(resources.files("tbi_cli.case") / "units.txt") as definitions:
+        registry: Any = pint.UnitRegistry(str(definitions), non_int_type=Fraction)
+    return registry
+
+
+# What a unit measures, for messages; the first name that fits.
+_NAMES = {
+    "m": "a length",
+    "s": "a time",
+    "kg": "a mass",
+    "m/s": "a speed",
+    "m/s^2": "an acceleration",
+    "N": "a force",
+    "Pa": "a pressure",
+    "N/m": "a stiffness",
+    "N*s/m": "a damping",
+    "N*s/m^2": "a damping per length",
+    "kg/m": "a mass per length",
+    "kg*m^2": "a moment of inertia",
+    "m^4": "a second moment of area",
+    "m^2": "an area",
+    "m^3": "a volume",
+    "Hz": "a frequency",
+    "1": "a ratio",
+}
+
+
+def _named(dimension: tuple[tuple[str, Fraction], ...]) -> str:
+    for unit, name in _NAMES.items():
+        if _unit(unit)[1] == dimension:
+            return name
+    return "something else"
