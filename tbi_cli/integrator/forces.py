@@ -1,0 +1,165 @@
+"""Trains of constant forces on one beam: what they do to a mode is A sin(i pi v t/L) + B cos(i pi v t/L).
+
+A force F at xi = v t - offset pushes mode i with F sin(i pi xi/L), so all forces that stand on the bridge
+push together with two numbers, which change only where one enters or leaves.  The cost of a step does not
+depend on their number.
+"""
+
+from __future__ import annotations
+
+from math import floor, inf, pi, sin
+from typing import Any
+
+from numba import njit
+
+from tbi_cli.integrator.arrays import Crossing, Topology, Work
+from tbi_cli.integrator.kernel import end_step, free_accelerations, next_stage, record
+from tbi_cli.integrator.lanes import LANES, any_lane, at_least, flush_subnormals, fma, load, splat, store
+from tbi_cli.integrator.sampling import take_sample
+from tbi_cli.integrator.shapes import axles_on, multiples, sin_cos_pi
+
+# Rows of work.force, each block one per mode: A | B | what axles add that enter or leave within the step, at
+# its start, in its middle and at its end.
+_EXTRA = 2
+
+
+@njit(forceinline=True)
+def waves(topology: Any, crossing: Any, work: Any, j: Any, slot: int) -> None:
+    """sin(i pi v t/L) and cos(i pi v t/L), j steps after the start, into a slot."""
+    t = j * load(crossing.scale, 0)
+    sine, cosine = sin_cos_pi(fma(load(crossing.scale, 4), t, load(crossing.scale, 5)))
+    multiples(topology, work, slot * topology.n_modes, sine, cosine)
+
+
+@njit(forceinline=True)
+def _push(topology: Any, work: Any, instant: int, slot: int, out: int) -> None:
+    """Adds the forces at an instant of the step to the accelerations of the modes."""
+    n = topology.n_modes
+    for i in range(n):
+        s, c = load(work.sine, slot * n + i), load(work.cosine, slot * n + i)
+        more = load(work.force, (_EXTRA + instant) * n + i)
+        force = fma(load(work.force, i), s, fma(load(work.force, n + i), c, more))
+        store(work.signal, out + i, load(work.signal, out + i) + force)
+
+
+@njit(forceinline=True)
+def changes_due(work: Any, j: Any) -> Any:
+    """Whether the forces on the bridge change in any lane at step j; keeps the number of the step."""
+    store(work.due, 1, j)
+    return any_lane(at_least(j, load(work.due, 0)))
+
+
+@njit(forceinline=True)
+def stand(topology: Any, crossing: Any, work: Any, lane: int, first: int, behind: int) -> None:
+    """Sets A and B of a lane to those of the forces from `first` to before `behind`."""
+    n = topology.n_modes
+    for i in range(2 * n):
+        work.force[i, lane] = 0.0
+    for k in range(first, behind):
+        c1, s1 = crossing.axle[5 * k, lane], crossing.axle[5 * k + 1, lane]
+        force = -crossing.wheel[4 * k + 2, lane] * crossing.wheel[4 * k + 3, lane]
+        s_before, c_before, s, c = 0.0, 1.0, s1, c1
+        for i in range(n):
+            work.force[i, lane] += force * c
+            work.force[n + i, lane] -= force * s
+            s_before, s = s, 2.0 * c1 * s - s_before
+            c_before, c = c, 2.0 * c1 * c - c_before
+
+
+@njit(nogil=True)
+def _change_forces(topology: Any, crossing: Any, work: Any) -> None:
+    """What stands on the bridge during the step, in the lanes where that changes with it.
+
+    A force that enters or leaves within the step has its right impulse, as `axles_on` says.
+    """
+    n, axles = topology.n_modes, topology.axle_wheel_begin.size
+    for lane in range(LANES):
+        j = work.due[1, lane]
+        if work.due[0, lane] > j:
+            continue
+        first, behind = work.standing[lane], work.standing[LANES + lane]
+        while behind < axles and crossing.axle[5 * behind + 2, lane] <= j:
+            behind += 1
+        while first < behind and crossing.axle[5 * first + 3, lane] < j + 1:
+            first += 1
+        work.standing[lane], work.standing[LANES + lane] = first, behind
+        stand(topology, crossing, work, lane, first, behind)
+        for i in range(_EXTRA * n, (_EXTRA + 3) * n):
+            work.force[i, lane] = 0.0
+        due = inf
+        entering = behind
+        while entering < axles and crossing.axle[5 * entering + 2, lane] < j + 1:
+            _enter_or_leave(topology, crossing, work, lane, entering, j)
+            entering += 1
+            due = j + 1
+        leaving = first - 1
+        while leaving >= 0 and crossing.axle[5 * leaving + 3, lane] > j:
+            _enter_or_leave(topology, crossing, work, lane, leaving, j)
+            leaving -= 1
+            due = j + 1
+        if entering < axles:
+            due = min(due, floor(crossing.axle[5 * entering + 2, lane]))
+        if first < behind:
+            due = min(due, floor(crossing.axle[5 * first + 3, lane]))
+        work.due[0, lane] = due
+
+
+@njit(forceinline=True)
+def _enter_or_leave(topology: Any, crossing: Any, work: Any, lane: int, k: int, j: float) -> None:
+    n = topology.n_modes
+    entry, exit_ = crossing.axle[5 * k + 2, lane], crossing.axle[5 * k + 3, lane]
+    pace = crossing.scale[4, lane] * crossing.scale[0, lane]
+    enters, leaves = entry > j, exit_ < j + 1
+    share = j + 1 - entry if enters else exit_ - j
+    place = 0.25 * share * (3.0 * share - 1.0) * pace
+    middle = place if enters else 1.0 - place
+    force = -crossing.wheel[4 * k + 2, lane] * crossing.wheel[4 * k + 3, lane]
+    for i in range(n):
+        wave = (i + 1) * pi
+        if not enters:
+            work.force[_EXTRA * n + i, lane] += force * sin(wave * (j - entry) * pace)
+        work.force[(_EXTRA + 1) * n + i, lane] += force * sin(wave * middle)
+        if not leaves:
+            work.force[(_EXTRA + 2) * n + i, lane] += force * sin(wave * (j + 1 - entry) * pace)
+
+
+@njit(nogil=True, cache=True)
+def advance_forces(
+    topology: Topology, crossing: Crossing, work: Work, samples: int, substeps: int, history: Any
+) -> None:
+    """What `tbi_cli.integrator.kernel.advance` does, for trains of constant forces on one beam."""
+    flush_subnormals(True)
+    nd, later = topology.term_begin.size, topology.stage_row
+    h, half = load(crossing.scale, 0), load(crossing.scale, 1)
+    sixth, square_sixth = load(crossing.scale, 2), load(crossing.scale, 3)
+    j = load(work.step, 0)
+    for i in range(2 * nd):
+        store(work.signal, i, load(work.state, i))
+    waves(topology, crossing, work, j, 0)
+    # The waves at the start of a step lie in slot 0 or 2, those at its end, which are those at the start of
+    # the next, in the other one.
+    start = 0
+    for sample in range(samples):
+        for substep in range(substeps):
+            if topology.stations > 0 and substep == 0:
+                axles_on(topology, crossing, work, j)
+            if changes_due(work, j):
+                _change_forces(topology, crossing, work)
+            waves(topology, crossing, work, j + splat(0.5), 1)
+            waves(topology, crossing, work, j + splat(1.0), 2 - start)
+            for stage in range(4):
+                out = 2 * nd if stage == 0 else later + (stage - 1) * nd
+                instant = (stage + 1) // 2
+                free_accelerations(topology, crossing, work, out)
+                slot = start if instant == 0 else 1 if instant == 1 else 2 - start
+                _push(topology, work, instant, slot, out)
+                if stage == 0 and substep == 0:
+                    take_sample(topology, crossing, work, j)
+                    record(topology, work, history, sample)
+                if stage < 3:
+                    next_stage(work, nd, out, half if stage < 2 else h)
+            end_step(work, nd, later, h, sixth, square_sixth)
+            start = 2 - start
+            j = j + splat(1.0)
+    store(work.step, 0, j)
+    flush_subnormals(False)

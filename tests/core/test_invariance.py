@@ -1,0 +1,143 @@
+"""What must not change a number: lanes, batches, jobs, other scenarios, the order of the grid."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numba
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tbi_cli.batch import build_batch
+from tbi_cli.integrator.integrate import integrate
+from tbi_cli.integrator.kernel import advance
+from tbi_cli.integrator.lanes import LANES
+from tbi_cli.integrator.warm_up import warm_up
+from tbi_cli.runner import Options, run
+from tbi_cli.solve import Solver
+from tbi_cli.workers import Workers
+from tests.core.crossings import paper, tables
+
+VELOCITIES = "[31, 50, 72.5, 90, 111, 138, 150, 177, 193, 200]"
+GRID = f"sweep={{velocity: {VELOCITIES}, train.car_body.mass: [20 t, 40 t, 77 t]}}"
+
+
+def _bits(solver: Solver, indices: list[int]) -> dict[int, bytes]:
+    result = solver.solve(indices)
+    assert result is not None
+    return {
+        index: b"".join(table[i].tobytes() for table in result.tables.values())
+        for i, index in enumerate(indices)
+    }
+
+
+@settings(max_examples=10, deadline=None)
+@given(data=st.data())
+def test_a_scenario_has_the_same_bits_in_any_company(data: st.DataObject) -> None:
+    """Alone, or with any others in any order, across more than one block of lanes."""
+    solver = Solver(paper(GRID, "solver.duration=1"))
+    chosen = data.draw(st.lists(st.integers(0, 29), min_size=1, max_size=2 * LANES + 3, unique=True))
+    together = _bits(solver, chosen)
+    for index in chosen[:3]:
+        assert _bits(Solver(paper(GRID, "solver.duration=1")), [index]) == {index: together[index]}
+
+
+def test_a_case_has_the_same_bits_as_a_point_of_a_grid() -> None:
+    """The grid point (50 m/s, 77 t) and the case that says so."""
+    index = 1 * 3 + 2
+    grid = _bits(Solver(paper(GRID)), [index])[index]
+    alone = _bits(Solver(paper("velocity=50", "train.car_body.mass=77 t")), [0])[0]
+    assert grid == alone
+
+
+@pytest.mark.parametrize("modes", [1, 2, 7, 20])
+def test_any_number_of_modes(modes: int) -> None:
+    """1 to 20 modes, alone and beside others that have another number."""
+    swept = Solver(paper("sweep={modes: [1, 2, 7, 20]}", "solver.duration=1"))
+    alone = Solver(paper(f"bridge.modes={modes}", "solver.duration=1"))
+    index = [1, 2, 7, 20].index(modes)
+    assert _bits(swept, [index])[index] == _bits(alone, [0])[0]
+
+
+def _tables(path: Path) -> dict[str, bytes]:
+    found: dict[str, bytes] = {}
+    with h5py.File(path) as file:
+        file.visititems(
+            lambda name, item: (
+                found.update({name: item[()].tobytes()})
+                if isinstance(item, h5py.Dataset) and item.dtype.kind in "fi"
+                else None
+            )
+        )
+    return found
+
+
+def test_the_same_bits_with_any_number_of_jobs(tmp_path: Path) -> None:
+    """Whole results files, histories included."""
+    histories = "output.histories={channels: [car_body_y, wheel_1_right_force], every: 0.01}"
+    case = paper(GRID, "solver.duration=1", histories)
+    files = [
+        run(case, Options(output=tmp_path / f"{jobs}.h5", workers=Workers(jobs=jobs))).path
+        for jobs in (1, 2, 5)
+    ]
+    first, *others = (_tables(path) for path in files)
+    assert first
+    for other in others:
+        assert other == first
+
+
+def test_kernel_calls_of_a_grid() -> None:
+    """One call per block of lanes and end of a scenario in it, none per step."""
+    solver = Solver(paper("sweep={velocity: {from: 50, to: 65, step: 1}}"))
+    crossers = [solver.scenarios.crosser(i) for i in range(16)]
+    batch = build_batch(crossers, range(10), ())
+    result = integrate(batch.topology, batch.crossing, batch.last, batch.substeps)
+    assert 2 <= result.kernel_calls <= 16
+    assert batch.last.sum() > 70_000
+
+
+def _allocators(function: Any, signature: Any) -> set[str]:
+    """Names of numba's allocating functions that the machine code of a compiled function calls."""
+    # What comes out of the cache cannot be inspected: compile here and now.
+    fresh = type(function)(function.py_func, locals={}, targetoptions=function.targetoptions)
+    fresh.compile(signature)
+    code = fresh.inspect_llvm(fresh.signatures[0])
+    return {name for name in re.findall(r"call [^@\n]*@([\w.]+)\(", code) if "alloc" in name.lower()}
+
+
+def test_nothing_is_allocated_in_the_step_loop() -> None:
+    """The kernel calls no allocator at all; a function that does is found out."""
+    warm_up()
+    assert _allocators(numba.njit(lambda n: np.zeros(n).sum()), (numba.int64,))
+    assert not _allocators(advance, advance.signatures[0])
+
+
+def test_failed_scenarios_fail_alone() -> None:
+    """A state that overflows is recorded with its message; its neighbours have the bits that they have alone.
+
+    The load of the middle one is so large that squares and forces leave the range of floating point.
+    """
+    case = paper("sweep={gravity: [1, 2, 3]}", "solver.duration=1")
+    # The case reader would refuse the middle value; what comes after it must cope all the same.
+    grid = case.swept((replace(case.axes[0], values=(9.81, 1e303, 4.0)),))
+    result = Solver(grid).solve([0, 1, 2])
+    assert result is not None
+    assert result.status.tolist() == [1, 2, 1]
+    assert "finite" in result.messages[1]
+    assert np.isnan(result.tables["peak"][1]).all()
+    for index, gravity in ((0, 9.81), (2, 4.0)):
+        alone = _bits(Solver(paper(f"gravity={gravity}", "solver.duration=1")), [0])[0]
+        assert b"".join(table[index].tobytes() for table in result.tables.values()) == alone
+
+
+def test_a_motion_that_has_died_away_stays_finite() -> None:
+    """Two hundred crossing times: the free motion sinks below the smallest normal number; nothing fails."""
+    long, short = (tables(paper("velocity=200", f"solver.duration={n}")) for n in (200, 5))
+    assert all(np.isfinite(values).all() for table in long.values() for values in table.values())
+    assert long["peak"]["right_midspan"] == short["peak"]["right_midspan"]

@@ -1,0 +1,79 @@
+"""Sampling, substeps, stability (model.md, Integration)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tbi_cli.batch import build_batch
+from tbi_cli.integrator.integrate import integrate
+from tbi_cli.scenarios import make_model
+from tbi_cli.solve import Solver
+from tbi_cli.timegrid import TimeGrid, UnstableStepError, time_grid
+from tests.core.crossings import paper, tables
+
+
+def grid_of(*overrides: str) -> TimeGrid:
+    case = paper(*overrides)
+    return time_grid(case, make_model(case).pace)
+
+
+def test_the_paper_s_window() -> None:
+    """Five times 0.84 s at 1 ms: samples 0 .. 4200."""
+    assert grid_of() == TimeGrid(sampling=1e-3, substeps=1, last=4200)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "sampling"),
+    [
+        (("velocity=10",), 1e-3),
+        (("velocity=100",), 0.7 / 4000),
+        (
+            ("velocity=10", "bridge.modes=20"),
+            2 * np.pi / ((20 * np.pi / 50) ** 2 * np.sqrt(4e10 / 18e3)) / 60,
+        ),
+    ],
+)
+def test_auto_sampling_is_the_smallest_of_three(overrides: tuple[str, ...], sampling: float) -> None:
+    """1 ms, 1/4000 of the time that the train is on the bridge, 1/60 of the shortest modal period."""
+    assert grid_of("solver.sampling=auto", *overrides).sampling == pytest.approx(sampling, rel=1e-12)
+
+
+@pytest.mark.parametrize("substeps", [1, 3, 8])
+def test_a_step_at_the_limit_of_stability(substeps: int) -> None:
+    """Just below the limit that the message names a crossing stays bounded; just above it is refused."""
+    with pytest.raises(UnstableStepError) as refused:
+        grid_of("solver.sampling=0.5", f"solver.substeps={substeps}")
+    limit = float(str(refused.value).split("at most ")[1].split(" s")[0])
+    with pytest.raises(UnstableStepError):
+        grid_of(f"solver.sampling={1.02 * limit * substeps}", f"solver.substeps={substeps}")
+    stable = f"solver.sampling={0.98 * limit * substeps}"
+    peak = tables(paper(stable, f"solver.substeps={substeps}", "solver.duration=60"))["peak"]
+    assert np.isfinite(peak["right_midspan"][0])
+    assert peak["right_midspan"][0] < 0.2
+
+
+def test_what_lies_above_the_limit_grows() -> None:
+    """The refusal is not idle: at 1.1 times the limit the integrator itself overflows."""
+    crosser = Solver(paper()).scenarios.crosser(0)
+    with pytest.raises(UnstableStepError) as refused:
+        grid_of("solver.sampling=0.5")
+    limit = float(str(refused.value).split("at most ")[1].split(" s")[0])
+    wild = replace(crosser, grid=TimeGrid(sampling=1.1 * limit, substeps=1, last=20_000))
+    batch = build_batch([wild], range(5), ())
+    result = integrate(batch.topology, batch.crossing, batch.last, 1)
+    assert not np.isnan(result.failed_at[0])
+
+
+@pytest.mark.parametrize(
+    "overrides", [("velocity=83.333",), ("velocity=20",), ("bridge.length=30", "velocity=150")]
+)
+def test_auto_keeps_peaks_within_a_thousandth(overrides: tuple[str, ...]) -> None:
+    """Auto sampling and substeps against four times as many samples, on every table channel: 0.1 %."""
+    auto = ("solver.sampling=auto", "solver.substeps=auto", "solver.duration=2", *overrides)
+    fine = (f"solver.sampling={grid_of(*auto).sampling / 4!r}", "solver.duration=2", *overrides)
+    coarse, exact = tables(paper(*auto))["peak"], tables(paper(*fine))["peak"]
+    for name, value in coarse.items():
+        assert value[0] == pytest.approx(exact[name][0], rel=1e-3), name
