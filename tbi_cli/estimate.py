@@ -1,0 +1,77 @@
+"""What a case would cost: its grid, steps, bytes and time, without solving it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tbi_cli.case import Case
+from tbi_cli.resources import available_cpus
+from tbi_cli.runner import check_memory, plan_of, results_layout
+from tbi_cli.solve import Solver
+from tbi_cli.store.layout import TABLES
+from tbi_cli.studies import StudiesSolver, solver_of
+
+# Seconds of one processor for one step of one coordinate, side by side with others: an order of magnitude.
+_SECONDS_PER_STEP = 2.5e-7
+
+
+def estimate(case: Case) -> list[str]:
+    """Lines for people.  Raises RunError for a case that could not be run."""
+    solver = solver_of(case)
+    parts = solver.parts if isinstance(solver, StudiesSolver) else {"": solver}
+    layouts = [results_layout(part, {}) for part in parts.values()]
+    check_memory(layouts)
+    scenarios = sum(layout.size for layout in layouts)
+    plan = plan_of(solver, np.ones(scenarios, dtype=bool))
+    steps = int(plan.steps.sum())
+    tables = sum(
+        8 * layout.size * (len(TABLES) * len(layout.channels) + len(layout.daf) + 1) for layout in layouts
+    )
+    histories = any(layout.history_channels for layout in layouts)
+    cpus = available_cpus()
+    lines = [f"title      {case.title}"] if case.title else []
+    for name, part in parts.items():
+        lines += [f"study      {name}"] if name else []
+        lines += _described(part)
+    return [
+        *lines,
+        f"scenarios  {scenarios}",
+        f"steps      {steps:,}",
+        f"tables     {_bytes(tables)}",
+        f"histories  {_bytes(int(plan.sizes.sum())) if histories else 'none'}",
+        f"time       about {_time(steps * _SECONDS_PER_STEP / cpus)} on {cpus} CPU{'s' if cpus > 1 else ''}",
+    ]
+
+
+def _described(solver: Solver) -> list[str]:
+    """The train, the bridge and the axes of one grid."""
+    case = solver.case
+    lines = [
+        f"train      {case.train.model}",
+        f"bridge     {case.bridge.length:g} m, {case.bridge.modes} modes on each beam",
+    ]
+    for axis in solver.scenarios.axes:
+        unit = "" if axis.units == "1" else f" {axis.units}"
+        ends = (
+            f"{axis.values[0]:g} to {axis.values[-1]:g}{unit}"
+            if len(axis) > 1
+            else f"{axis.values[0]:g}{unit}"
+        )
+        lines.append(f"axis       {axis.name}: {len(axis)} value{'s' if len(axis) > 1 else ''}, {ends}")
+    return lines
+
+
+def _bytes(count: int) -> str:
+    for unit in ("B", "kB", "MB", "GB"):
+        if count < 1000:
+            return f"{count:.3g} {unit}"
+        count = count / 1000  # type: ignore[assignment]
+    return f"{count:.3g} TB"
+
+
+def _time(seconds: float) -> str:
+    if seconds < 1:
+        return "a second"
+    if seconds < 120:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

@@ -1,0 +1,133 @@
+"""Joining the shards of a run into one results file."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from tbi_cli.store.assemble import write_results
+from tbi_cli.store.claim import Claim, check_output
+from tbi_cli.store.compare import refuse_other_run
+from tbi_cli.store.errors import StoreError
+from tbi_cli.store.layout import Layout, Scalar
+from tbi_cli.store.opening import check_same_grid, open_results, resolve
+from tbi_cli.store.parts import parts_folder
+from tbi_cli.store.picked import settled, unsolved
+from tbi_cli.store.results import Results
+
+_SHOWN = 20  # shards or cases named in a message
+
+
+def merge(
+    paths: Sequence[str | os.PathLike[str]],
+    out: str | os.PathLike[str],
+    *,
+    partial: bool = False,
+    overwrite: bool = False,
+    attributes: Mapping[str, Scalar] | None = None,
+) -> Path:
+    """Write the results of all shards of one run into the file ``out`` and return its path.
+
+    The shards are results files, or the parts of shards that are still running.  ``attributes`` replace those
+    of the first shard (command, host, time of creation).  Raises `StoreError` for a gap (shards that are
+    missing or not finished; with ``partial`` their cases stay to be done), for a shard or a case that comes
+    twice, for shards of different cases, versions or numbers of shards, and if ``out`` cannot be written.
+    """
+    target = check_output(out, overwrite=overwrite)
+    if target in {resolve(path) for path in paths}:
+        raise StoreError(f"{target}: is one of the shards; choose another file for the result")
+    with ExitStack() as stack:
+        shards: list[Results] = []
+        absent: list[Path] = []
+        for path in map(resolve, paths):
+            if path.exists() or parts_folder(path).exists():
+                shards.append(stack.enter_context(open_results(path)))
+            else:
+                absent.append(path)
+        if absent and not (partial and shards):
+            raise StoreError(f"missing: {_list([str(p) for p in absent])}")
+        numbers = _check_shards(shards)
+        sources = [source for shard in shards for source in shard.sources]
+        layout = _layout(shards, attributes or {})
+        results = stack.enter_context(Results(target, layout, sources, finished=False))
+        if not partial:
+            _refuse_gaps(numbers, shards, results)
+        layout, found = (layout, results) if partial else settled(layout, results)
+        claim = Claim(target)
+        try:
+            write_results(target, claim.folder, layout, found)
+        finally:
+            claim.clean(parts=True)
+            claim.release()
+    return target
+
+
+def _check_shards(shards: Sequence[Results]) -> tuple[set[int], int]:
+    """The numbers of the shards, and of how many; raises `StoreError` if they do not belong together."""
+    if not shards:
+        raise StoreError("no shards to merge")
+    first = shards[0]
+    found: dict[int, Path] = {}
+    count = 0
+    for shard in shards:
+        number, of = _shard_number(shard)
+        if count and of != count:
+            raise StoreError(f"{shard.path}: is one of {of} shards, {first.path} one of {count}")
+        count = of
+        if number in found:
+            raise StoreError(f"{shard.path}: is shard {number}/{of}, and so is {found[number]}")
+        found[number] = shard.path
+        old, new = ({**s.layout.attributes, "shard": ""} for s in (shard, first))
+        refuse_other_run(str(shard.path), old, new, f"{first.path} sets the measure")
+        check_same_grid(shard.layout, first.layout, shard.path)
+    solved = np.zeros(first.layout.size, dtype=bool)
+    for shard in shards:
+        own = shard.status.ravel() != 0
+        if (solved & own).any():
+            index = int(np.flatnonzero(solved & own)[0])
+            raise StoreError(f"{shard.path}: holds case {index}, which another shard holds too")
+        solved |= own
+    return set(found), count
+
+
+def _shard_number(shard: Results) -> tuple[int, int]:
+    text = str(shard.layout.attributes.get("shard", ""))
+    match = re.fullmatch(r"([1-9][0-9]{0,8})/([1-9][0-9]{0,8})", text)
+    if match is None or int(match[1]) > int(match[2]):
+        raise StoreError(f"{shard.path}: is not a shard of a run")
+    return int(match[1]), int(match[2])
+
+
+def _layout(shards: Sequence[Results], attributes: Mapping[str, Scalar]) -> Layout:
+    """The layout of the whole; the units of the history channels are known where there is a history."""
+    first = shards[0].layout
+    channels = next((s.history_channels for s in shards if s.history_indices()), first.history_channels)
+    kept = {k: v for k, v in first.attributes.items() if k != "shard"}
+    return replace(first, history_channels=channels, attributes={**kept, **attributes})
+
+
+def _refuse_gaps(numbers: tuple[set[int], int], shards: Sequence[Results], results: Results) -> None:
+    found, count = numbers
+    missing = [f"{i}/{count}" for i in range(1, count + 1) if i not in found]
+    if missing:
+        raise StoreError(f"missing shards: {_list(missing)}; --partial leaves their cases to be done")
+    running = [str(shard.path) for shard in shards if not shard.finished]
+    if running:
+        raise StoreError(f"not finished: {_list(running)}; --partial leaves their cases to be done")
+    to_do = np.flatnonzero(unsolved(results.layout, results.status).ravel())
+    if len(to_do):
+        raise StoreError(
+            f"no shard holds {len(to_do)} of the cases, the first is {to_do[0]}; "
+            "--partial leaves them to be done"
+        )
+
+
+def _list(names: Sequence[str]) -> str:
+    more = len(names) - _SHOWN
+    return ", ".join(names[:_SHOWN]) + (f" and {more} more" if more > 0 else "")

@@ -1,0 +1,150 @@
+"""From a path to results: the results file, or the parts of a run that is not finished."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+from tbi_cli.store.errors import StoreError
+from tbi_cli.store.layout import Layout
+from tbi_cli.store.parts import LAYOUT_FILE, STUDIES_FILE, PartSource, part_number, parts_folder
+from tbi_cli.store.results import Results
+from tbi_cli.store.sources import ResultsSource, Source
+from tbi_cli.store.vet import vet
+
+_LAYOUT_BYTES = 1 << 28  # of a layout file; the coordinates of ten million grid points
+
+
+def resolve(path: str | os.PathLike[str]) -> Path:
+    """The path with links followed, so that a link to a results file stays one."""
+    try:
+        return Path(path).resolve()
+    except (OSError, RuntimeError, ValueError) as error:  # a loop of links; a null character
+        raise StoreError(f"{os.fspath(path)!r}: is not a usable path ({error})") from error
+
+
+def open_results(path: str | os.PathLike[str], *, study: str = "", own: bool = False) -> Results:
+    """Open the results file ``path`` or, where it is not there yet, the parts of the run that writes it.
+
+    Of a file of several studies (see `studies_of`) one has to be named.
+    Raises `StoreError` if there is neither, or if what is there is damaged or not written by tbi.  Files may
+    come from strangers: nothing outside them is read.  A file that this process has just written (``own``)
+    needs no look by a child process first.
+    """
+    path = resolve(path)
+    if not own and os.path.isfile(path):  # noqa: PTH113 - Path.is_file raises where a name is too long
+        vet(path, lambda: _look_through(path, study))
+    return _open(path, study)
+
+
+def _open(path: Path, study: str) -> Results:
+    try:
+        there = path.exists()
+    except OSError as error:
+        raise StoreError.from_os(path, error) from error
+    if not there:
+        try:
+            results = open_parts(path, study)
+        except StoreError:
+            if not path.exists():  # else the run has just ended, and taken its parts away
+                raise
+            results = None
+        if results is not None:
+            return results
+    source = ResultsSource(path, study)
+    return Results(path, source.layout, [source], finished=True, study=study)
+
+
+def _look_through(path: Path, study: str) -> None:
+    """Read all that is read later, but for the numbers in most of the tables and histories."""
+    with _open(path, study) as results:
+        results.messages  # noqa: B018
+        for group in results.layout.groups:
+            for variable in results.layout.columns(group)[:1]:
+                results.table(group, variable.name)
+        for index in results.history_indices()[:1]:
+            results.history(index)
+
+
+def open_parts(path: Path, study: str = "") -> Results | None:
+    """The results of the unfinished run that writes ``path``; None if there is none."""
+    run = Run.read(path, study)
+    return None if run is None else run.results()
+
+
+class Run:
+    """An unfinished run, or its part that is one study: its layout, its identity, and its finished files."""
+
+    def __init__(self, path: Path, layout: Layout, run_id: str, *, extends: bool, study: str = "") -> None:
+        self.path = path
+        self.study = study
+        self.folder = parts_folder(path, study)
+        self.layout = layout
+        #: Which run the parts belong to: parts of an earlier one that were not removed in time do not count.
+        self.run_id = run_id
+        #: Whether the run completes the results file that is there already; if not, it will replace it.
+        self.extends = extends
+
+    @classmethod
+    def read(cls, path: Path, study: str = "") -> Run | None:
+        """The run in the parts folder of ``path``, or None; raises `StoreError` if it is unreadable."""
+        file = parts_folder(path, study) / LAYOUT_FILE
+        if not study and (file.parent / STUDIES_FILE).exists():
+            raise StoreError(f"{file.parent}: holds an unfinished run of several studies")
+        try:
+            if file.stat().st_size > _LAYOUT_BYTES:
+                raise StoreError(f"{file}: is too large")
+            text = file.read_text(encoding="utf-8")
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+        except OSError as error:
+            raise StoreError.from_os(file, error) from error
+        except ValueError as error:
+            raise StoreError(f"{file}: is not text") from error
+        try:
+            layout, extra = Layout.from_json(text)
+        except StoreError as error:
+            raise StoreError(f"{file}: {error}") from error
+        return cls(path, layout, str(extra.get("run_id")), extends=bool(extra.get("extends")), study=study)
+
+    def to_json(self) -> str:
+        """The text of the layout file."""
+        return self.layout.to_json(run_id=self.run_id, extends=int(self.extends))
+
+    def parts(self) -> list[Path]:
+        """The part files, in the order in which they were written."""
+        try:
+            found = [p for p in self.folder.iterdir() if part_number(p) is not None]
+        except OSError as error:
+            raise StoreError.from_os(self.folder, error) from error
+        return sorted(found, key=lambda p: part_number(p) or 0)
+
+    def results(self) -> Results:
+        """All that is finished, in one view."""
+        sources: list[Source] = []
+        layout = self.layout
+        if self.extends and self.path.exists():
+            old = ResultsSource(self.path, self.study)
+            check_same_grid(old.layout, layout, self.path)
+            old.layout = replace(old.layout, history_channels=layout.history_channels)
+            sources.append(old)
+        for part in self.parts():
+            source = PartSource(part, layout)
+            if source.run_id == self.run_id:
+                sources.append(source)
+            source.close()
+        return Results(self.path, layout, sources, finished=False, study=self.study)
+
+
+def check_same_grid(a: Layout, b: Layout, path: Path) -> None:
+    """Raise `StoreError` unless both layouts have the same grid, channels and amplification factors."""
+    same = (
+        [d.name for d in a.dims] == [d.name for d in b.dims]
+        and all(x.values.tobytes() == y.values.tobytes() for x, y in zip(a.dims, b.dims, strict=True))
+        and [c.name for c in a.channels] == [c.name for c in b.channels]
+        and [c.name for c in a.history_channels] == [c.name for c in b.history_channels]
+        and a.daf == b.daf
+    )
+    if not same:
+        raise StoreError(f"{path}: has other axes or channels")
