@@ -1,0 +1,42 @@
+"""`tbi list` and `tbi schema`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import typer
+
+
+def list_(
+    kind: Annotated[
+        Literal["trains", "bridges", "cases"] | None,
+        typer.Argument(metavar="[KIND]", help="trains, bridges or cases."),
+    ] = None,
+) -> None:
+    """Show the built-in trains, bridges and cases, what each is and where its values come from."""
+    from tbi_cli.case import list_builtin
+
+    found = [builtin for builtin in list_builtin() if kind in (None, f"{builtin.kind}s")]
+    width = max(len(builtin.name) for builtin in list_builtin())
+    heading = ""
+    for builtin in found:
+        if builtin.kind != heading:
+            heading = builtin.kind
+            print(f"{heading}s")
+        print(f"  {builtin.name:{width}}  {builtin.description}")
+        if builtin.source:
+            print(f"  {'':{width}}  from: {builtin.source}")
+
+
+def schema(
+    kind: Annotated[
+        Literal["case", "train", "bridge"],
+        typer.Argument(metavar="[KIND]", help="Of a case, train or bridge file."),
+    ] = "case",
+) -> None:
+    """Print the JSON Schema of a case file (draft 2020-12), by which editors complete and check."""
+    import json
+
+    from tbi_cli.case.schema import json_schema
+
+    print(json.dumps(json_schema(kind), indent=2, ensure_ascii=False))
