@@ -1,0 +1,1 @@
+"""The report: what results files hold, as figures, tables and one page."""

@@ -1,0 +1,141 @@
+"""The lines across a panel and their labels: critical velocities, the train's exit, comfort limits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.transforms import Transform, blended_transform_factory
+
+from tbi_cli.report import style
+from tbi_cli.report.marks import CRITICAL
+from tbi_cli.report.plot import Limit, Mark, Panel
+
+ROW = 8.5  # points between rows of labels above a panel
+_MOST_ROWS = 4
+_SMALL = 6.5
+_APART = 0.075  # share of the axis between two labels of a row, at least
+# Labels of limits closer than this share of the axis become one; limits so far above the curves only a note.
+_CLOSE, _FAR = 0.075, 1.6
+
+
+def rows_of_labels(panel: Panel) -> int:
+    """How many rows of labels stand above a panel: one for each curve with marks of its own."""
+    rows = len({mark.place for mark in panel.marks})
+    return rows if rows <= _MOST_ROWS else 0
+
+
+def draw_marks(axes: Axes, panel: Panel, x_factor: float, y_factor: float, unit: str) -> int:
+    """Thin lines with their labels above the panel; returns the number of rows of labels.
+
+    `unit` is that of the curves' labels, which name the rows.
+
+    Where that would be too many, each curve has a dot at each of its marks instead.
+    """
+    rows = rows_of_labels(panel)
+    if panel.marks and not rows:
+        _draw_dots(axes, panel, x_factor, y_factor)
+        return 0
+    above = blended_transform_factory(axes.transData, axes.transAxes)
+    places = sorted({mark.place for mark in panel.marks if mark.place is not None})
+    low, high = axes.get_xlim()
+    labelled: dict[int, float] = {}  # where the last label of each row stands
+    for mark in panel.marks:
+        colour = style.MARK if mark.place is None else style.colour(mark.place)
+        for value, beam in mark.values:
+            dashes = style.BEAM_DASHES[beam]
+            line = (0, dashes) if dashes else "-"
+            axes.axvline(value / x_factor, color=colour, linewidth=0.6, linestyle=line, zorder=1.5)
+        row = 0 if mark.place is None else places.index(mark.place)
+        height = 2.0 + ROW * (rows - 1 - row)
+        middle = sum(value for value, _ in mark.values) / len(mark.values) / x_factor
+        if low <= middle <= high and middle - labelled.get(row, -np.inf) > _APART * (high - low):
+            labelled[row] = middle
+            _annotate(axes, _text(mark), (middle, 1.0), above, (0, height), "center", colour)
+    if rows > 1:
+        for row, place in enumerate(places):
+            height = 2.0 + ROW * (rows - 1 - row)
+            label = f"{panel.curves[place].label} {unit}"
+            _annotate(axes, label, (1.0, 1.0), "axes fraction", (4, height), "left", style.colour(place))
+    return rows
+
+
+def _annotate(
+    axes: Axes,
+    text: str,
+    at: tuple[float, float],
+    coordinates: str | Transform,
+    shift: tuple[float, float],
+    ha: str,
+    colour: str,
+) -> None:
+    axes.annotate(
+        text, at, xycoords=coordinates, xytext=shift, textcoords="offset points", ha=ha, va="bottom",
+        fontsize=_SMALL, color=colour, annotation_clip=False,
+    )  # fmt: skip
+
+
+def _text(mark: Mark) -> str:
+    if not mark.label.startswith(CRITICAL):
+        return mark.label
+    return rf"$v_{{\mathrm{{cr}},{mark.label.removeprefix(CRITICAL)}}}$"
+
+
+def _draw_dots(axes: Axes, panel: Panel, x_factor: float, y_factor: float) -> None:
+    for mark in panel.marks:
+        if mark.place is None or mark.place >= len(panel.curves):
+            continue
+        curve = panel.curves[mark.place]
+        for value, _ in mark.values:
+            y = np.interp(value, curve.x, curve.y)
+            axes.plot(
+                value / x_factor,
+                y / y_factor,
+                "o",
+                color=style.colour(mark.place),
+                markersize=2.6,
+                label="_dot",
+            )
+
+
+def draw_limits(axes: Axes, limits: Sequence[Limit], factor: float) -> None:
+    """Horizontal lines, their values and their standard at the right edge.
+
+    Limits far above the curves are only named, so that the curves keep the panel.
+    """
+    if not limits:
+        return
+    low, high = axes.get_ylim()
+    values = [limit.value / factor for limit in limits]
+    if min(values) > _FAR * high:
+        texts = ", ".join(f"{limit.value:g}" for limit in limits)
+        _beside(axes, f"{limits[0].label}: {texts} far above", 4, high, upright=True)
+        return
+    axes.set_ylim(low, max(high, 1.08 * max(values)))
+    low, high = axes.get_ylim()
+    for value in values:
+        axes.axhline(value, color=style.LIMIT, linewidth=0.6, linestyle=(0, (4, 2)), zorder=1.6)
+    named = [(value, f"{limit.value:g}") for value, limit in zip(values, limits, strict=True)]
+    if max(values) - min(values) < _CLOSE * (high - low):
+        named = [(sum(values) / len(values), "\n".join(text for _, text in reversed(named)))]
+    for value, text in named:
+        _beside(axes, text, 3, value)
+    _beside(axes, limits[0].label, 21, max(values) + 0.03 * (high - low), upright=True)
+
+
+def _beside(axes: Axes, text: str, shift: float, y: float, upright: bool = False) -> None:
+    """Text to the right of a panel by `shift` points, at y; upright text stands below y."""
+    axes.annotate(
+        text,
+        (1.0, y),
+        xycoords=blended_transform_factory(axes.transAxes, axes.transData),
+        xytext=(shift, 0),
+        textcoords="offset points",
+        rotation=90 if upright else 0,
+        ha="left",
+        va="top" if upright else "center",
+        fontsize=_SMALL,
+        color=style.LIMIT,
+        annotation_clip=False,
+    )
