@@ -1,0 +1,87 @@
+"""The commands and their options, from the program itself."""
+
+from __future__ import annotations
+
+import inspect
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
+
+from typer.models import ArgumentInfo
+
+from scripts.reference.markdown import code, table
+from tbi_cli.cli import app
+
+_NAMES = {int: "N", float: "NUMBER", str: "TEXT", Path: "PATH"}
+_HEAD = """# Commands
+
+`tbi COMMAND --help` says the same on the terminal. `python -m tbi_cli` is the same program.
+
+## Exit codes
+
+| code | meaning |
+| --- | --- |
+| 0 | done |
+| 1 | a scenario failed, or a verification fell short |
+| 2 | the input is wrong; the message on standard error says where, what was expected and what was found |
+| 75 | stopped by SIGTERM or SIGUSR1: what was finished is kept, `--resume` goes on |
+| 130 | interrupted (Ctrl-C): what was finished is kept, `--resume` goes on |
+
+## Shell completion
+
+`tbi --install-completion` adds completion of commands and options to the shell that it is called from (bash,
+zsh, fish or PowerShell); start a new shell afterwards. `tbi --show-completion` prints the script instead, for
+a shell whose start-up files are kept elsewhere: `tbi --show-completion > FILE`, with FILE where the shell
+reads its completions from.
+"""
+
+
+def page() -> str:
+    """The page of all commands."""
+    return _HEAD + "".join(_command(str(info.name), info.callback) for info in app.registered_commands)
+
+
+def _command(name: str, function: Any) -> str:
+    hints = get_type_hints(function, include_extras=True)
+    parameters = [
+        (word, _without_none(hints[word]), parameter.default)
+        for word, parameter in inspect.signature(function).parameters.items()
+    ]
+    arguments, rows = [], []
+    for word, hint, default in parameters:
+        kind, info = hint.__origin__, hint.__metadata__[0]
+        text = _text(info.help, default)
+        if isinstance(info, ArgumentInfo):
+            arguments.append(info.metavar or word.upper())
+            rows.append([code(arguments[-1]), text])
+        else:
+            # In Annotated the first spelling is taken for a default, until typer makes the command.
+            spelled = ", ".join(
+                [*([info.default] if isinstance(info.default, str) else []), *info.param_decls]
+            )
+            rows.append(
+                [code(spelled if kind is bool else f"{spelled} {info.metavar or _value(kind)}"), text]
+            )
+    usage = " ".join(["tbi", name, "[OPTIONS]", *arguments])
+    return (
+        f"\n## tbi {name}\n\n{inspect.getdoc(function)}\n\n```text\n{usage}\n```\n\n{table(['', ''], rows)}"
+    )
+
+
+def _without_none(hint: Any) -> Any:
+    """The annotation of an optional parameter as if it were not optional."""
+    kind = hint.__origin__
+    some = [one for one in get_args(kind) if one is not type(None)]
+    if type(None) in get_args(kind) and len(some) == 1:
+        return Annotated[some[0], hint.__metadata__[0]]
+    return hint
+
+
+def _value(kind: Any) -> str:
+    """How the value of an option is called that has no name of its own."""
+    return "|".join(get_args(kind)) if get_origin(kind) is Literal else _NAMES[kind]
+
+
+def _text(text: str | None, default: Any) -> str:
+    """The help text with the default, where the text does not say it itself."""
+    shown = isinstance(default, str | int | float | Path) and not isinstance(default, bool)
+    return f"{text}  [default: {default}]" if shown and "[default" not in str(text) else str(text)
