@@ -1,9 +1,9 @@
 #!/usr/bin/env python
 """Measures what PERFORMANCE.md claims, beside each goal, with other ways to do the same in the same run.
 
-    python scripts/benchmark.py            all of it (several minutes)
-    python scripts/benchmark.py kernel cli some of it: kernel, scaling, cli, memory, histories, accuracy
-    python scripts/benchmark.py --json     for machines
+    python scripts/benchmark.py             all of it (several minutes)
+    python scripts/benchmark.py kernel cli  some: kernel, practice, scaling, cli, memory, histories, accuracy
+    python scripts/benchmark.py --json      for machines
 
 Times are the best of several; a machine that does other work at the same time makes all of them longer.
 """
@@ -70,7 +70,8 @@ def batch_of(*overrides: str, copies: int = 64) -> Batch:
     """So many scenarios alike of the paper's case, every channel of the tables reduced."""
     solver = Solver(load_case("paper", overrides=overrides))
     place = {channel.name: k for k, channel in enumerate(solver.channels)}
-    return build_batch([solver.scenarios.crosser(0)] * copies, [place[c.name] for c in solver.tables], ())
+    reduced = sorted({place[name] for c in solver.tables for name in c.members or (c.name,)})
+    return build_batch([solver.scenarios.crosser(0)] * copies, reduced, ())
 
 
 def solve(batch: Batch) -> None:
@@ -95,9 +96,7 @@ def kernel() -> Iterator[Figure]:
         yield Figure("kernel", "the same in C with 512-bit vectors", 1e6 * in_c, "us")
         yield Figure("kernel", "ours over C", ours / in_c, "x", 1.2)
     peak, t = multiply_adds_per_second(), batch.topology
-    needed = multiply_adds_of_a_step(
-        len(t.term_col), len(t.wheel_col), len(t.wheel_mode), len(t.term_row), 0.2
-    )
+    needed = multiply_adds_of_a_step(len(t.term), len(t.wheel_col), len(t.wheel_mode), len(t.term_row), 0.2)
     yield Figure("kernel", "multiply-adds of a core at its peak", 1e-9 * peak, "thousand million/s")
     yield Figure("kernel", "share of that peak in the kernel", 100 * needed / ours / peak, "%")
     plain = PlainCrossing(Solver(load_case("paper")).scenarios.model(0), 300 / 3.6)
@@ -120,6 +119,20 @@ def kernel() -> Iterator[Figure]:
         ("contact hertz on irregular rails over both", (*hertz, *rough), 2.5),
     ):
         yield Figure("kernel", name, per_case_step(batch_of(*overrides)) / ours, "x", goal)
+
+
+def practice() -> Iterator[Figure]:
+    """Whole trains over one car, and the ten trains HSLM-A on eight spans at 101 speeds."""
+    physical = ("contact.static_load=physical", "solver={sampling: 0.001, substeps: 1, duration: 1.5}")
+    one, train = (batch_of(f"train={name}", *physical) for name in ("crh380a", "crh380al-16"))
+    cost = per_case_step(train, 3) / per_case_step(one, 3)
+    yield Figure("practice", "16 cars over one, one case-step", cost, "x", 16.0)
+    with tempfile.TemporaryDirectory() as folder:
+        out = ["--overwrite", "-o", f"{folder}/r.h5"]
+        for method in ("exact", "rk4"):
+            run = ("run", "practice/hslm-a", *out, "--set", f"solver.method={method}")
+            seconds = min(tbi(*run)[0] for _ in range(3))
+            yield Figure("practice", f"HSLM-A1 to A10, 8 spans, 101 speeds, {method}", seconds, "s", 5.0)
 
 
 def scaling() -> Iterator[Figure]:
@@ -201,11 +214,8 @@ def cli() -> Iterator[Figure]:
         batch = Solver(load_case("paper/velocity"))
         yield Figure("cli", "tbi sweep velocity, 397 speeds", sweep, "s", 2.5)
         yield Figure("cli", "of it outside the kernel", sweep - _kernel_seconds(batch), "s", 1.2)
-        campaign = best(
-            lambda: [tbi("run", f"paper/velocity-{study}", *out) for study in ("masses", "spans", "damping")],
-            2,
-        )
-        yield Figure("cli", "velocity x masses, x spans, x damping, three commands", campaign, "s", 8.0)
+        campaign = min(tbi("run", "paper/campaign", *out)[0] for _ in range(3))
+        yield Figure("cli", "tbi run paper/campaign: velocity x masses, spans, damping", campaign, "s", 8.0)
         first, _ = tbi("run", "paper", *out, TBI_CACHE_DIR=f"{folder}/cache")
         yield Figure("cli", "first run ever, compilation included", first, "s", 20.0)
 
@@ -303,7 +313,7 @@ def _against_dop853(label: str, speeds: Sequence[float], goal: float, goal_acc: 
     yield Figure("accuracy", f"{label}: accelerations", worst[True], "relative", goal_acc)
 
 
-SECTIONS = (kernel, scaling, cli, memory, histories, accuracy)
+SECTIONS = (kernel, practice, scaling, cli, memory, histories, accuracy)
 
 
 def main() -> None:

@@ -65,8 +65,8 @@ def _tables(batch: Batch) -> str:
     }
     arrays = {
         "term_begin": [*begin, end[-1]],
-        "term_value": t.term_col >> 32,
-        "term_col": t.term_col & 0xFFFFFFFF,
+        "term_value": t.term >> 32,
+        "term_col": t.term & 0xFFFFFFFF,
         "g_begin": [*t.wheel_begin, t.wheel_end[-1]],
         "g_col": t.wheel_col,
         "sum_begin": [*t.sum_begin, t.sum_end[-1]],
