@@ -4,7 +4,8 @@
     python scripts/fuzz.py --engine atheris --count N  bytes, guided by coverage (pip install atheris)
 
 Ends with exit code 1, and the input that did it, when a file brings an exception other than CaseError, a
-message with control characters, a case that does not survive a round trip, or takes longer than 10 seconds.
+message with control characters, a case that does not survive a round trip, or takes longer than 10 seconds
+of the processor, or waits for ten minutes.
 """
 
 from __future__ import annotations
@@ -28,137 +29,27 @@ if any(argument.endswith("atheris") for argument in sys.argv):
 else:
     counted = nullcontext()
 with counted:
-    from tbi_cli.case import CaseError, list_builtin, load_case, starter_case
+    from fuzzing.corpus import BESIDE, CASE, CORPUS, MORE
+    from fuzzing.words import FRAGMENTS, KEYS
+
+    from tbi_cli.case import CaseError, load_case
     from tbi_cli.case.messages import UNPRINTABLE
 
-LONGEST_SECONDS = 10
-# What stands where it should not: numbers out of range, YAML's own signs, words of the grammar.
-FRAGMENTS = [
-    *(".nan", ".inf", "-1", "0", "1e999", "1e15", "1e-300", "0x10", "9" * 40, "true", "null", "~", "on"),
-    *(
-        "[]",
-        "{}",
-        "[1]",
-        "{a: 1}",
-        "&a",
-        "*a",
-        "!!str",
-        "!x",
-        "<<",
-        "-",
-        "?",
-        ":",
-        "|",
-        ">",
-        "%",
-        "@",
-        "`",
-        "#",
-    ),
-    *(
-        "\n",
-        "\n- ",
-        "\n  ",
-        "  ",
-        "\r",
-        "\t",
-        "\0",
-        "\x1b[31m",
-        '"\\0"',
-        "\u2028",
-        "é",
-        "---",
-        "...",
-        "[[[[",
-        "{{{{",
-    ),
-    *(
-        "5 kg",
-        "1 %",
-        "9**9**9 m",
-        "km/h",
-        "from",
-        "to",
-        "step",
-        "count",
-        "log",
-        "zip",
-        "sample",
-        "velocity",
-        "span",
-    ),
-    *(
-        "damping",
-        "ratio",
-        "coefficient",
-        "train",
-        "bridge",
-        "paper",
-        "case.yaml",
-        ".",
-        "..",
-        "/dev/null",
-        "auto",
-    ),
-    *("full-31dof", "sprung-mass", "rigid-beam", "moving-load", "forces", "l_b1", "front_bogie", "hertz"),
-]
-KEYS = [
-    *("velocity", "train", "bridge", "sweep", "sweep.velocity", "sweep.zip", "sweep.span.step", "a.b", ""),
-    *("train.car_body.mass", "bridge.right.damping", "output.histories.every", "sweep.train.geometry.l_b1"),
-]
-
-
-# What no built-in case has: consists, lists of forces, another contact, every form of a sweep.
-MORE = (
-    """\
-train:
-  consist:
-    - {vehicle: {model: moving-load, forces: [1 kN, 2 kN], positions: [0, 3]}, count: 2, spacing: 25 m}
-    - {vehicle: {model: axle-forces, forces: [1 kN, 2 kN], positions: [0, 3]}, spacing: 20}
-    - {vehicle: {model: hslm-a, number: 3}, count: 1, spacing: 400}
-bridge: verification-1
-solver: {method: exact, sampling: 0.01}
-sweep: {train.consist.0.spacing: [25, 26], velocity: {log: {from: 1, to: 99, count: 3}}}
-""",
-    """\
-train:
-  consist:
-    - {vehicle: paper, count: 3, spacing: 25 m}
-    - {vehicle: &last crh380a, spacing: 25}
-    - {vehicle: *last, spacing: 26 m}
-bridge: &b paper
-contact: {model: hertz, stiffness: 1.4e9}
-velocity: 300 km/h
-sweep:
-  sample:
-    {kind: random, count: 5, over: {velocity: {normal: [80, 5], within: [70, 90]}, span: {uniform: [30, 40]}}}
-""",
-    """\
-train: {model: axle-forces, csv: forces.csv}
-bridge: verification-2
-sweep: {velocity: [10, 20, 10], damping: {from: 0, to: 2, count: 3}, modes: [1], zip: [velocity, damping]}
-""",
-)
-
-
-def corpus() -> list[str]:
-    """Real case files: the built-in ones, as written and resolved, the starter, and a few more."""
-    cases = list_builtin("case")
-    written = [case.path.read_text(encoding="utf-8") for case in cases]
-    return [*written, *(load_case(case.name).to_yaml() for case in cases), starter_case(), *MORE]
-
-
-CORPUS = corpus()
+# Time of the processor, as a machine may be busy with other things; and of the clock, for what only waits.
+LIMITS = ((signal.ITIMER_PROF, signal.SIGPROF, 10), (signal.ITIMER_REAL, signal.SIGALRM, 600))
 PLACES = st.integers(0, 10_000)
 
 
 @st.composite
-def broken_files(draw: st.DrawFn) -> str:
-    """A real case file after one to six accidents."""
-    text = draw(st.sampled_from(CORPUS))
+def broken_files(draw: st.DrawFn) -> dict[str, str]:
+    """A real case file after one to six accidents; or one that is whole beside a file that is not."""
+    name = draw(st.sampled_from([*[CASE] * 6, *BESIDE]))
+    files = BESIDE | {CASE: draw(st.sampled_from(CORPUS))}
+    if name != CASE:
+        files[CASE] = draw(st.sampled_from([text for text in MORE if name in text]))
     for _ in range(draw(st.integers(1, 6))):
-        text = draw(accidents(text))
-    return text
+        files[name] = draw(accidents(files[name]))
+    return files
 
 
 @st.composite
@@ -195,11 +86,11 @@ OPTIONS = st.lists(
 )
 
 
-def check(folder: Path, content: bytes, options: list[str]) -> bool:
-    """Loads the file with these options; whether it was a case. Raises what should never be raised."""
-    path = folder / "case.yaml"
-    path.write_bytes(content)
-    (folder / "forces.csv").write_text("position,force\n0,1 kN\n3 m,2e3\n")
+def check(folder: Path, files: dict[str, bytes], options: list[str]) -> bool:
+    """Loads the case with these options; whether it was one. Raises what should never be raised."""
+    for name, content in files.items():
+        (folder / name).write_bytes(content)
+    path = folder / CASE
     with time_limit():
         try:
             case = load_case(path, overrides=options)
@@ -208,6 +99,7 @@ def check(folder: Path, content: bytes, options: list[str]) -> bool:
             assert message, "a message without words"
             assert not UNPRINTABLE.search(message.replace("\n", "")), f"control characters in {message!r}"
             return False
+        assert not UNPRINTABLE.search("".join(case.warnings).replace("\n", "")), "control characters"
         path.write_text(case.to_yaml(), encoding="utf-8")
         again = load_case(path)
         assert again == case, "another case after a round trip"
@@ -221,15 +113,18 @@ def time_limit() -> Iterator[None]:
     """Raises TimeoutError in what takes too long."""
 
     def late(number: int, frame: FrameType | None) -> None:
-        raise TimeoutError(f"longer than {LONGEST_SECONDS} s")
+        raise TimeoutError(f"too long: {signal.Signals(number).name}")
 
-    before = signal.signal(signal.SIGALRM, late)
-    signal.setitimer(signal.ITIMER_REAL, LONGEST_SECONDS)
+    before = [signal.signal(number, late) for _, number, _ in LIMITS]
     try:
+        for timer, _, seconds in LIMITS:
+            signal.setitimer(timer, seconds)
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+        for timer, _, _ in LIMITS:
+            signal.setitimer(timer, 0)
+        for (_, number, _), handler in zip(LIMITS, before, strict=True):
+            signal.signal(number, handler)
 
 
 def with_hypothesis(folder: Path, count: int, start: int) -> None:
@@ -246,9 +141,9 @@ def with_hypothesis(folder: Path, count: int, start: int) -> None:
         print_blob=False,
     )
     @given(broken_files(), OPTIONS)
-    def run(text: str, options: list[str]) -> None:
+    def run(files: dict[str, str], options: list[str]) -> None:
         nonlocal cases
-        cases += check(folder, text.encode("utf-8"), options)
+        cases += check(folder, {name: text.encode("utf-8") for name, text in files.items()}, options)
 
     run()
     print(f"{count} files: {cases} were cases, the others ended in a message")
@@ -257,8 +152,10 @@ def with_hypothesis(folder: Path, count: int, start: int) -> None:
 def with_atheris(folder: Path, count: int, start: int) -> None:
     """`count` inputs of bytes, guided by what they reach in the reader."""
 
+    beside = {name: text.encode("utf-8") for name, text in BESIDE.items()}
+
     def run(content: bytes) -> None:
-        check(folder, content, [])
+        check(folder, {**beside, CASE: content}, [])
 
     seeds = folder / "corpus"
     seeds.mkdir()
