@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import textwrap
 from collections.abc import Sequence
 from typing import Any
@@ -41,7 +42,7 @@ def draw(plot: Plot) -> Figure:
     cells = list(grid.flat)
     nested = any(_hide_each_other(panel.curves) for panel in plot.panels if isinstance(panel, Panel))
     for k, (axes, panel) in enumerate(zip(cells, plot.panels, strict=False)):
-        title = words.literal(textwrap.fill(panel.title, _TITLE[columns]))
+        title = words.literal(textwrap.fill(_unparted(panel.title), _TITLE[columns]))
         title = f"({chr(ord('a') + k)}) {title}" if count > 1 else words.capital(title)
         if isinstance(panel, HeatPanel):
             draw_heat(figure, axes, panel, title)
@@ -80,11 +81,17 @@ def _draw_panel(axes: Axes, panel: Panel, title: str, unit: str, nested: bool) -
         axes.set_yscale("log")
     axes.set_xlim(*(end / x.factor for end in panel.shown or _ends(panel)))
     if panel.from_zero:
-        axes.set_ylim(bottom=0)
+        highest = axes.dataLim.ymax
+        axes.set_ylim(0, 1.06 * highest if 0 < highest < math.inf else None)
     rows = draw_marks(axes, panel, x.factor, y.factor, unit)
-    draw_limits(axes, panel.limits, y.factor)
+    draw_limits(axes, panel.limits, y.factor, words.typeset(panel.y.units))
     axes.set_title(title, pad=4 + ROW * rows)
     axes.set_ylabel(axis_label(panel.y, y))
+
+
+def _unparted(title: str) -> str:
+    """A title whose last word, if it is only a number or a letter, keeps to the line of the one before."""
+    return re.sub(r" (?=\S{1,2}$)", "\N{NO-BREAK SPACE}", title)
 
 
 def _ends(panel: Panel) -> tuple[float, float]:

@@ -99,10 +99,10 @@ def _draw_dots(axes: Axes, panel: Panel, x_factor: float, y_factor: float) -> No
             )
 
 
-def draw_limits(axes: Axes, limits: Sequence[Limit], factor: float) -> None:
+def draw_limits(axes: Axes, limits: Sequence[Limit], factor: float, unit: str) -> None:
     """Horizontal lines, their values and their standard at the right edge.
 
-    Limits far above the curves are only named, so that the curves keep the panel.
+    Limits far above the curves are only named, with their own `unit`, so that the curves keep the panel.
     """
     if not limits:
         return
@@ -110,13 +110,13 @@ def draw_limits(axes: Axes, limits: Sequence[Limit], factor: float) -> None:
     values = [limit.value / factor for limit in limits]
     if min(values) > _FAR * high:
         texts = ", ".join(f"{limit.value:g}" for limit in limits)
-        _beside(axes, f"{limits[0].label}: {texts} far above", 4, high, upright=True)
+        _beside(axes, f"{limits[0].label}: {texts} {unit} far above", 4, high, upright=True)
         return
     axes.set_ylim(low, max(high, 1.08 * max(values)))
     low, high = axes.get_ylim()
     for value in values:
         axes.axhline(value, color=style.LIMIT, linewidth=0.6, linestyle=(0, (4, 2)), zorder=1.6)
-    named = [(value, f"{limit.value:g}") for value, limit in zip(values, limits, strict=True)]
+    named = [(value, f"{value:g}") for value in values]
     if max(values) - min(values) < _CLOSE * (high - low):
         named = [(sum(values) / len(values), "\n".join(text for _, text in reversed(named)))]
     for value, text in named:

@@ -96,7 +96,7 @@ def of_table(table: str, quantity: str) -> str:
 
 def axis_words(dim: Dim, paths: frozenset[str]) -> str:
     """The name of a swept axis; one that the case gives by its dotted key keeps the words of the key."""
-    name = clean(dim.long_name).partition(";")[0].strip() or clean(dim.name)
+    name = clean(dim.long_name).partition(";")[0].strip().removeprefix("its ") or clean(dim.name)
     path = next(iter(paths)) if len(paths) == 1 else ""
     if path.count(".") < 2 or path.replace(".", "_") != dim.name:
         return name

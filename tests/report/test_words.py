@@ -63,6 +63,9 @@ def test_a_swept_key_keeps_the_words_of_its_path() -> None:
     dim = Dim("train_secondary_vertical_stiffness", np.array([1.0]), "N/m", "stiffness k; 0 for none")
     path = frozenset({"train.secondary.vertical.stiffness"})
     assert words.axis_words(dim, path) == "secondary vertical stiffness k"
+    name = "track_irregularity_dip_depth"
+    dip = Dim(name, np.array([1.0]), "m", "its depth, downward")
+    assert words.axis_words(dip, frozenset({name.replace("_", ".")})) == "irregularity dip depth, downward"
 
 
 @given(st.text(max_size=80))
