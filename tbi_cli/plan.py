@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tbi_cli.integrator.lanes import LANES
 from tbi_cli.scenarios import Scenarios
 from tbi_cli.shards import Shard, deal
-from tbi_cli.timegrid import UnstableStepError, time_grid
+from tbi_cli.timegrid import TimeGridError, time_grid
 
 # A batch ends at so many scenarios, at its share of all steps, or at so many bytes of histories.
 _LARGEST_BATCH = 8 * LANES
@@ -100,9 +100,9 @@ def costs_of(
     for index, case, pace in scenarios.paces(indices.tolist()):
         try:
             grid = time_grid(case, pace)
-        except UnstableStepError as error:
+        except TimeGridError as error:
             at = scenarios.describe(index)
-            raise PlanError(f"solver.substeps{f' at {at}' if at else ''}: {error}") from None
+            raise PlanError(f"{error.key}{f' at {at}' if at else ''}: {error}") from None
         costs.steps[index] = grid.steps
         stride = 1 if every is None else max(1, round(every / grid.sampling))
         costs.sizes[index] = 8 * history_channels * (grid.last // stride + 1)
@@ -120,7 +120,7 @@ def _cut(
     while start < len(members):
         end, cost, size = start, 0, 0
         while end < len(members) and end - start < _LARGEST_BATCH:
-            if (end - start) % LANES == 0 and cost >= share:
+            if end > start and (end - start) % LANES == 0 and cost >= share:
                 break
             if end > start and size + sizes[members[end]] > _HISTORY_BYTES:
                 break

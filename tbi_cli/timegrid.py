@@ -24,8 +24,20 @@ _SAMPLES_PER_PERIOD = 60
 _LONGEST_INTERVAL = 1e-3
 
 
-class UnstableStepError(ValueError):
-    """A step outside the stability region of the Runge-Kutta method; the text says what the limit is."""
+# A low-pass filter needs so many samples in a period of its cut-off.
+_SAMPLES_PER_CUT_OFF = 4
+
+
+class TimeGridError(ValueError):
+    """A time grid that cannot be; the text says what the limit is, `key` what to change."""
+
+    key = "solver.sampling"
+
+
+class UnstableStepError(TimeGridError):
+    """A step outside the stability region of the Runge-Kutta method."""
+
+    key = "solver.substeps"
 
 
 @dataclass(frozen=True)
@@ -56,13 +68,15 @@ class Pace:
     """What the time grid of a crossing needs to know of the system.
 
     way: of the last axle's exit, from the first one's entry (m); shortest_period: of the beams' modes, and of
-    wheelsets on their contact springs (s); fastest: an upper bound of |lambda| (1/s).  Scenarios of one
-    `shape`, coordinates and axles of every vehicle, and as many modes can be solved side by side.
+    wheelsets on their contact springs (s); fastest: an upper bound of |lambda| (1/s); cut_off: the highest of
+    the beams' low-pass filters (Hz), 0 for none.  Scenarios of one `shape`, coordinates and axles of every
+    vehicle, and as many modes can be solved side by side.
     """
 
     way: float
     shortest_period: float
     fastest: float
+    cut_off: float
     shape: tuple[tuple[int, int], ...]
 
 
@@ -72,6 +86,7 @@ def pace_of(system: System) -> Pace:
         way=system.length + system.axle_distance,
         shortest_period=2 * math.pi / max(contact_rate(system), *(float(b.omega[-1]) for b in system.beams)),
         fastest=fastest_rate(system),
+        cut_off=max(beam.low_pass for beam in system.beams),
         shape=tuple(
             (len(one.coordinates), len(one.axle_offsets))
             for one in ([coach.system for coach in system.coaches] or [system])
@@ -82,8 +97,8 @@ def pace_of(system: System) -> Pace:
 def time_grid(case: Case, pace: Pace) -> TimeGrid:
     """The time grid of a case without sweep (model.md, Integration).
 
-    On irregular rails it begins with the first axle at the beginning of the approach.  Raises
-    UnstableStepError where the substeps asked for cannot be stable.
+    On irregular rails it begins with the first axle at the beginning of the approach.  Raises TimeGridError
+    where the substeps asked for cannot be stable, or the samples are too few for a low-pass filter.
     """
     crossing = pace.way / case.velocity
     shortest, fastest, approach = pace.shortest_period, pace.fastest, 0.0
@@ -92,6 +107,14 @@ def time_grid(case: Case, pace: Pace) -> TimeGrid:
         wave = case.track.shortest_wave / case.velocity
         shortest, fastest = min(shortest, wave), max(fastest, 2 * math.pi / wave)
     fine = min(_LONGEST_INTERVAL, crossing / _SAMPLES_ON_BRIDGE, shortest / _SAMPLES_PER_PERIOD)
+    if pace.cut_off:
+        widest = 1 / (_SAMPLES_PER_CUT_OFF * pace.cut_off)
+        fine = min(fine, widest)
+        if case.solver.sampling != "auto" and case.solver.sampling > widest * (1 + 1e-9):
+            raise TimeGridError(
+                f"expected at most {widest:.4g} s, {_SAMPLES_PER_CUT_OFF} samples in a period of "
+                f"{pace.cut_off:.4g} Hz (bridge.low_pass), got {case.solver.sampling:.4g} s"
+            )
     sampling = fine if case.solver.sampling == "auto" else case.solver.sampling
     if case.solver.method == "exact":
         substeps = 1

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.case import Case, Consist
+from tbi_cli.case import Case, Consist, Train
 from tbi_cli.system.bridge import BeamModes, beam_modes
 from tbi_cli.system.trains import SIDES, build_vehicle
 from tbi_cli.system.vehicle import Coordinate, Row, Vehicle, coupled
@@ -160,10 +159,14 @@ def build_system(case: Case) -> System:
 
     if not isinstance(case.train, Consist):
         return system(build_vehicle(case.train, case))
-    groups = [system(build_vehicle(group.vehicle, case)) for group in case.train.consist]
     row: list[tuple[System, float]] = []
-    for group, fronts in zip(groups, case.train.fronts, strict=True):
-        row += [(group, front) for front in fronts]
+    different: list[tuple[Train, System]] = []
+    for group, fronts in zip(case.train.consist, case.train.fronts, strict=True):
+        one = next((known for vehicle, known in different if vehicle == group.vehicle), None)
+        if one is None:
+            one = system(build_vehicle(group.vehicle, case))
+            different.append((group.vehicle, one))
+        row += [(one, front) for front in fronts]
     coaches: list[Coach] = []
     coordinate = wheel = axle = 0
     for one, _ in row:
@@ -182,12 +185,14 @@ def equal_coaches(system: System) -> list[tuple[System, int]]:
     """
     if not system.coaches:
         return [(system, 1)]
-    counts: dict[int, tuple[System, int]] = {}
+    fronts: dict[int, list[float]] = {}
     for coach in system.coaches:
-        one, count = counts.get(id(coach.system), (coach.system, 0))
-        counts[id(coach.system)] = one, count + 1
-    # Neighbours of one kind never stand closer than their own axles.
-    return [
-        (one, min(count, 2 + math.floor(system.length / max(one.axle_distance, 1.0))))
-        for one, count in counts.values()
-    ]
+        fronts.setdefault(id(coach.system), []).append(float(system.axle_offsets[coach.first_axle]))
+    kinds = {id(coach.system): coach.system for coach in system.coaches}
+    return [(one, _most_within(fronts[key], one.length + one.axle_distance)) for key, one in kinds.items()]
+
+
+def _most_within(places: list[float], distance: float) -> int:
+    """How many of some places, in rising order, lie within a distance of each other at most."""
+    behind = np.searchsorted(places, np.array(places) + distance, side="right")
+    return int(np.max(behind - np.arange(len(places))))

@@ -9,9 +9,10 @@ import pytest
 
 from tbi_cli.batch import build_batch
 from tbi_cli.integrator.integrate import integrate
+from tbi_cli.plan import make_plan
 from tbi_cli.scenarios import make_model
 from tbi_cli.solve import Solver
-from tbi_cli.timegrid import TimeGrid, UnstableStepError, time_grid
+from tbi_cli.timegrid import TimeGrid, TimeGridError, UnstableStepError, time_grid
 from tests.core.crossings import paper, tables
 
 
@@ -77,3 +78,24 @@ def test_auto_keeps_peaks_within_a_thousandth(overrides: tuple[str, ...]) -> Non
     coarse, exact = tables(paper(*auto))["peak"], tables(paper(*fine))["peak"]
     for name, value in coarse.items():
         assert value[0] == pytest.approx(exact[name][0], rel=1e-3), name
+
+
+def test_samples_enough_for_the_low_pass_filter() -> None:
+    """Four in a period of the cut-off: `auto` is that fine, and a coarser sampling is refused."""
+    assert grid_of("bridge.low_pass=500", "solver.sampling=auto", "velocity=10").sampling == 1 / 2000
+    assert grid_of("bridge.low_pass=30", "solver.sampling=auto", "velocity=10").sampling == 1e-3
+    assert grid_of("bridge.low_pass=25", "solver.sampling=0.01").sampling == 0.01
+    with pytest.raises(TimeGridError) as refused:
+        grid_of("bridge.low_pass=25.1", "solver.sampling=0.01")
+    assert refused.value.key == "solver.sampling"
+    assert str(refused.value) == (
+        "expected at most 0.00996 s, 4 samples in a period of 25.1 Hz (bridge.low_pass), got 0.01 s"
+    )
+
+
+def test_a_crossing_of_very_few_steps() -> None:
+    """Fewer than there are batches at least: one batch with one scenario in it."""
+    solver = Solver(paper("solver.sampling=0.05", "solver.duration=1", "solver.substeps=3", "velocity=200"))
+    plan = make_plan(solver.scenarios, np.ones(1, dtype=bool), 0, None)
+    assert plan.steps.sum() == 21
+    assert [batch.tolist() for batch in plan.batches] == [[0]]
