@@ -3,6 +3,7 @@
 from tbi_cli.verify.cases import (
     balance,
     equations,
+    exact_forces,
     force_trains,
     frequencies,
     hertz,
@@ -11,7 +12,9 @@ from tbi_cli.verify.cases import (
     order,
     simple_vehicles,
     static_limit,
+    stations,
     symmetry,
+    trains,
     whole_crossing,
 )
 
@@ -30,5 +33,8 @@ VERIFICATIONS = tuple(
         whole_crossing,
         irregular_rails,
         hertz,
+        trains,
+        exact_forces,
+        stations,
     )
 )

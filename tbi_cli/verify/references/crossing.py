@@ -157,15 +157,19 @@ class CoupledSystem:
     def motion(self, times: Array, **tolerances: float) -> Motion:
         """Integrate, and form accelerations and wheel quantities at each sample."""
         x, x_t = self.integrate(times, **tolerances)
+        on = self.axles_on(times)
+        x_tt = np.array([self.acceleration(t, x[:, j], x_t[:, j], on[:, j]) for j, t in enumerate(times)]).T
+        return self.motion_of(times, x, x_t, x_tt)
+
+    def motion_of(self, times: Array, x: Array, x_t: Array, x_tt: Array) -> Motion:
+        """The motion that x, x' and x'' (27 + 2n, nt) at each sample are."""
         nt, v, nb = len(times), self.crossing.velocity, self.n_train
-        x_tt = np.empty_like(x)
         stretch, force = np.empty((8, nt)), np.empty((8, nt))
         w, w_t, w_tt, w_x = (np.empty((8, nt)) for _ in range(4))
         on_all = self.axles_on(times)
         for j, t in enumerate(times):
             on = on_all[:, j]
             phi, stretch[:, j], force[:, j] = self.wheel_forces(t, x[:, j], x_t[:, j], on)
-            x_tt[:, j] = self.acceleration(t, x[:, j], x_t[:, j], on)
             q, q_t, q_tt = x[nb:, j], x_t[nb:, j], x_tt[nb:, j]
             phi_x, phi_xx = self.shapes(t, on, 1), self.shapes(t, on, 2)
             w[:, j], w_x[:, j] = phi @ q, phi_x @ q

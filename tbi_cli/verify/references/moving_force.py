@@ -21,7 +21,7 @@ def critical_speed(beam: Beam) -> float:
 
 
 def forced(t: Array, omega: float, zeta: float, Omega: float) -> tuple[Array, Array]:
-    """x and x' of x'' + 2 zeta omega x' + omega^2 x = sin(Omega t) from rest, for zeta < 1.
+    """x and x' of x'' + 2 zeta omega x' + omega^2 x = sin(Omega t) from rest, for zeta other than 1.
 
     The undamped one is written so that it goes smoothly through the resonance omega = Omega, where it is
     (sin omega t - omega t cos omega t) / (2 omega^2).
@@ -42,7 +42,16 @@ def forced(t: Array, omega: float, zeta: float, Omega: float) -> tuple[Array, Ar
 
 
 def free_vibration(t: Array, omega: float, zeta: float, x0: float, v0: float) -> tuple[Array, Array]:
-    """x and x' of x'' + 2 zeta omega x' + omega^2 x = 0 from x0, v0 at t = 0, for zeta < 1."""
+    """x and x' of x'' + 2 zeta omega x' + omega^2 x = 0 from x0, v0 at t = 0, for zeta other than 1.
+
+    Overdamped, zeta > 1, it is the sum of two motions that die away, exp(-r t).
+    """
+    if zeta > 1:
+        fast = omega * (zeta + math.sqrt(zeta**2 - 1))
+        slow = omega**2 / fast
+        a, b = (v0 + fast * x0) / (fast - slow), -(v0 + slow * x0) / (fast - slow)
+        one, other = a * np.exp(-slow * t), b * np.exp(-fast * t)
+        return one + other, -slow * one - fast * other
     omega_d = omega * math.sqrt(1 - zeta**2)
     decay = np.exp(-zeta * omega * t)
     c, s = np.cos(omega_d * t), np.sin(omega_d * t)
