@@ -9,7 +9,7 @@ from tbi_cli.resources import available_cpus
 from tbi_cli.runner import check_memory, plan_of, results_layout
 from tbi_cli.solve import Solver
 from tbi_cli.store.layout import TABLES
-from tbi_cli.studies import StudiesSolver, solver_of
+from tbi_cli.studies import solver_of
 
 # Seconds of one processor for one step of one coordinate, side by side with others: an order of magnitude.
 _SECONDS_PER_STEP = 2.5e-7
@@ -18,7 +18,7 @@ _SECONDS_PER_STEP = 2.5e-7
 def estimate(case: Case) -> list[str]:
     """Lines for people.  Raises RunError for a case that could not be run."""
     solver = solver_of(case)
-    parts = solver.parts if isinstance(solver, StudiesSolver) else {"": solver}
+    parts = solver.parts
     layouts = [results_layout(part, {}) for part in parts.values()]
     check_memory(layouts)
     scenarios = sum(layout.size for layout in layouts)

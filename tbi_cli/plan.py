@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tbi_cli.errors import UserError
 from tbi_cli.integrator.lanes import LANES
 from tbi_cli.scenarios import Scenarios
-from tbi_cli.shards import Shard, deal
+from tbi_cli.shards import deal
 from tbi_cli.timegrid import TimeGridError, time_grid
 
 # A batch ends at so many scenarios, at its share of all steps, or at so many bytes of histories.
@@ -19,7 +20,7 @@ _LEAST_BATCHES = 32
 _HISTORY_BYTES = 128 * 2**20
 
 
-class PlanError(ValueError):
+class PlanError(UserError):
     """A grid that cannot be run as it is; the text says where and why."""
 
 
@@ -27,35 +28,24 @@ class PlanError(ValueError):
 class Plan:
     """What a run does: its batches, the costliest first.
 
-    `own` (n,) says which scenarios of the grid are this run's part, solved before or not.  `steps` and
-    `sizes` (n,) are the Runge-Kutta steps and the bytes of history of each scenario in the batches, else 0.
+    `steps` and `sizes` (n,) are the Runge-Kutta steps and the bytes of history of each scenario in the
+    batches, else 0.
     """
 
     batches: list[NDArray[np.int64]]
-    own: NDArray[np.bool_]
     steps: NDArray[np.int64]
     sizes: NDArray[np.int64]
 
 
 def make_plan(
-    scenarios: Scenarios,
-    wanted: NDArray[np.bool_],
-    history_channels: int,
-    every: float | None,
-    shard: Shard | None = None,
+    scenarios: Scenarios, wanted: NDArray[np.bool_], history_channels: int, every: float | None
 ) -> Plan:
-    """Groups the wanted scenarios (n,), or those of one shard, into batches of one structure and like length.
+    """Groups the wanted scenarios (n,) into batches of one structure and like length.
 
     Lanes of like length enter and leave the bridge together and end together, so that none idles.
     Raises PlanError where a scenario's step cannot be stable.
     """
-    own = np.ones(len(scenarios), dtype=bool)
-    if shard is None:
-        costs = costs_of(scenarios, np.flatnonzero(wanted), history_channels, every)
-    else:  # the whole grid is looked at, so that every shard cuts it alike
-        costs = costs_of(scenarios, np.arange(len(scenarios)), history_channels, every)
-        own = deal(costs.steps, costs.structure, shard.of) == shard.number
-    wanted = wanted & own
+    costs = costs_of(scenarios, np.flatnonzero(wanted), history_channels, every)
     steps, sizes = np.where(wanted, costs.steps, 0), np.where(wanted, costs.sizes, 0)
     share = int(steps.sum()) // _LEAST_BATCHES
     batches: list[NDArray[np.int64]] = []
@@ -64,19 +54,41 @@ def make_plan(
         members = members[np.argsort(-steps[members], kind="stable")]
         batches += _cut(members, steps, sizes, share)
     batches.sort(key=lambda batch: -int(steps[batch].sum()))
-    return Plan(batches, own, steps, sizes)
+    return Plan(batches, steps, sizes)
 
 
 def joined(plans: Sequence[Plan]) -> Plan:
     """One plan for several grids, whose scenarios stand one behind the other."""
-    ends = np.cumsum([len(plan.own) for plan in plans])
+    ends = np.cumsum([len(plan.steps) for plan in plans])
     moved = [
-        batch + (end - len(plan.own)) for plan, end in zip(plans, ends, strict=True) for batch in plan.batches
+        batch + (end - len(plan.steps))
+        for plan, end in zip(plans, ends, strict=True)
+        for batch in plan.batches
     ]
-    own, steps, sizes = (
-        np.concatenate([getattr(plan, name) for plan in plans]) for name in ("own", "steps", "sizes")
-    )
-    return Plan(sorted(moved, key=lambda batch: -int(steps[batch].sum())), own, steps, sizes)
+    steps, sizes = (np.concatenate([getattr(plan, name) for plan in plans]) for name in ("steps", "sizes"))
+    return Plan(sorted(moved, key=lambda batch: -int(steps[batch].sum())), steps, sizes)
+
+
+def dealt(grids: Mapping[str, Scenarios], of: int) -> dict[str, NDArray[np.int64]]:
+    """The number, from 1, of the shard of each scenario of some grids, which are dealt as one.
+
+    The whole grids are looked at, so that every shard cuts them alike.  Raises PlanError, with the name of
+    the grid, where a scenario's step cannot be stable.
+    """
+    steps, structures, kinds = [], [], 0
+    for name, scenarios in grids.items():
+        try:
+            costs = costs_of(scenarios, np.arange(len(scenarios)), 0, None)
+        except PlanError as error:
+            raise PlanError(f"studies.{name}: {error}" if name else str(error)) from None
+        steps.append(costs.steps)
+        structures.append(costs.structure + kinds)
+        kinds += int(costs.structure.max()) + 1
+    if not grids:
+        return {}
+    owners = deal(np.concatenate(steps), np.concatenate(structures), of)
+    ends = np.cumsum([len(part) for part in steps])
+    return dict(zip(grids, np.split(owners, ends[:-1]), strict=True))
 
 
 @dataclass(frozen=True, eq=False)

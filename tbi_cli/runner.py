@@ -11,18 +11,16 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tbi_cli.case import Axis, Case
 from tbi_cli.errors import UserError
 from tbi_cli.plan import Plan, PlanError, joined, make_plan
-from tbi_cli.refine import Refiner, refiner_of
 from tbi_cli.resources import available_memory
 from tbi_cli.responses import Channel
+from tbi_cli.rounds import Mask, Rounds
 from tbi_cli.shards import Shard
 from tbi_cli.solve import Solver
 from tbi_cli.store import (
-    DONE,
     FAILED,
     Dim,
     Layout,
@@ -30,14 +28,11 @@ from tbi_cli.store import (
     StudiesStore,
     Variable,
     check_output,
-    open_parts,
-    open_results,
     provenance,
 )
 from tbi_cli.store.layout import TABLES, Scalar
-from tbi_cli.store.parts import parts_folder
 from tbi_cli.store.picked import REFINED
-from tbi_cli.studies import AnySolver, StudiesSolver, solver_of
+from tbi_cli.studies import AnySolver, solver_of
 from tbi_cli.workers import Workers, solve_batches
 
 
@@ -121,57 +116,26 @@ def run(
     check_output(output, resume=options.resume, overwrite=options.overwrite)
     halted = _Halted(stop)
     solver = solver_of(case, halted.is_set)
-    refiner = refiner_of(solver, options.shard)
-    if refiner is not None and options.resume and (summary := _finished(output, case)) is not None:
-        return summary
+    rounds = rounds_of(solver, options.shard)
     with _store(output, solver, options) as store:
         _compile(progress)
         run = _Run(solver, store, options, progress, halted)
-        if refiner is None:
-            run.round(plan_of(solver, ~store.done(), options.shard))
-        else:
-            _refined(run, refiner, output)
+        rounds.learn_stored(store.parts)
+        run.all_of(rounds)
         path = store.finish() if not run.left else store.path
     return run.summary(path)
 
 
-def _refined(run: _Run, refiner: Refiner, output: Path) -> None:
-    """Round after round until every peak is settled, or the run is halted."""
-    done = run.store.done()
-    if done.any() and (before := open_parts(output) or open_results(output)) is not None:
-        with before:
-            known = np.flatnonzero(done)
-            peaks = before.tables(["peak"])["peak"][refiner.columns]
-            refiner.learn_peaks(known, peaks[:, known].T)
-    wanted, beside = refiner.first(), np.zeros(len(done), dtype=bool)
-    while wanted.any():
-        plan = plan_of(run.solver, wanted & ~done & ~beside)
-        run.round(replace(plan, own=wanted & refiner.own), refiner)
-        beside |= wanted & ~refiner.own
-        if run.left:
-            return
-        wanted, done = refiner.more(), run.store.done()
-        if wanted.any() and run.halted:
-            run.left = int(np.sum(wanted & refiner.own))
-            return
-
-
-def _finished(output: Path, case: Case) -> Summary | None:
-    """What a resumed run of a refined case has to say where its results file is there and complete."""
-    if not output.exists() or parts_folder(output).exists():
-        return None
-    with open_results(output) as results:
-        if results.layout.attributes.get("case_sha256") != case.sha256:
-            return None
-        if results.layout.attributes.get("shard"):
-            return None
-        done = int(np.sum(results.status == DONE))
-        failed = int(np.sum(results.status == FAILED))
-    return Summary(output, 0, done, failed, 0, 0, 0.0, ())
+def rounds_of(solver: AnySolver, shard: Shard | None = None) -> Rounds:
+    """Which scenarios are solved when.  Raises RunError where one cannot be solved."""
+    try:
+        return Rounds(solver, shard)
+    except PlanError as error:
+        raise RunError(str(error)) from None
 
 
 class _Run:
-    """The rounds of a run, of which all but those of a refined case have one; what came of them."""
+    """What is solved, round by round, and what came of it."""
 
     def __init__(
         self,
@@ -188,19 +152,32 @@ class _Run:
         self._messages: list[str] = []
         self._begin = time.perf_counter()
 
-    def round(self, plan: Plan, refiner: Refiner | None = None) -> None:
-        """Solves the batches of a plan; what is not this run's own is for the refiner alone."""
+    def all_of(self, rounds: Rounds) -> None:
+        """Round after round until every peak is settled, or the run is halted."""
+        wanted, beside = rounds.first(), np.zeros(len(rounds.own), dtype=bool)
+        while wanted.any():
+            plan = plan_of(self.solver, wanted & ~self.store.done() & ~beside)
+            self._round(plan, wanted & rounds.own, rounds)
+            beside |= wanted & ~rounds.own
+            if self.left:
+                return
+            wanted = rounds.more()
+            if wanted.any() and self._halted.is_set():
+                self.left = int(np.sum(wanted & rounds.own))
+                return
+
+    def _round(self, plan: Plan, kept: Mask, rounds: Rounds) -> None:
+        """Solves the batches of a plan; what is not to be kept (n,) is for the rounds alone."""
         solver, store, progress = self.solver, self.store, self.progress
-        before = int(store.done()[plan.own].sum())
-        progress.start(int(plan.own.sum()), int(plan.steps.sum()), before)
+        before = int(store.done()[kept].sum())
+        progress.start(int(kept.sum()), int(plan.steps.sum()), before)
         self._before, self._steps = self._before + before, self._steps + int(plan.steps.sum())
         solved = 0
         results = solve_batches(solver, plan.batches, plan.sizes, self._options.workers, self._halted)
         try:
             for result in results:
-                if refiner is not None:
-                    refiner.learn(result)
-                own = plan.own[result.indices]
+                rounds.learn(result)
+                own = kept[result.indices]
                 if own.all():
                     store.write(result)
                 elif own.any():
@@ -209,20 +186,15 @@ class _Run:
                 self._failed += int(np.sum(result.status[own] == FAILED))
                 self._messages += [
                     f"{solver.describe(int(index))}: {text}"
-                    for index, text, kept in zip(result.indices, result.messages, own, strict=True)
-                    if text and kept
+                    for index, text, mine in zip(result.indices, result.messages, own, strict=True)
+                    if text and mine
                 ]
                 progress.advance(int(own.sum()), int(result.case_steps.sum()))
         finally:
             results.close()
             progress.end()
         self._solved += solved
-        self.left = int(plan.own.sum()) - before - solved
-
-    @property
-    def halted(self) -> bool:
-        """Whether nothing more is to be solved."""
-        return self._halted.is_set()
+        self.left = int(kept.sum()) - before - solved
 
     def summary(self, path: Path) -> Summary:
         """How the run went."""
@@ -265,8 +237,6 @@ def _store(output: Path, solver: AnySolver, options: Options) -> ResultsStore | 
         layout = results_layout(solver, origin)
         check_memory([layout])
         return ResultsStore(output, layout, resume=options.resume, overwrite=options.overwrite)
-    if options.shard is not None:
-        raise RunError("--shard: a case of several studies is not divided; run it whole, or each study alone")
     layouts = {}
     for name, part in solver.parts.items():
         own = {"title": part.case.title, "case": part.case.to_yaml(), "case_sha256": part.case.sha256}
@@ -275,22 +245,18 @@ def _store(output: Path, solver: AnySolver, options: Options) -> ResultsStore | 
     return StudiesStore(output, layouts, origin, resume=options.resume, overwrite=options.overwrite)
 
 
-def plan_of(solver: AnySolver, wanted: NDArray[np.bool_], shard: Shard | None = None) -> Plan:
+def plan_of(solver: AnySolver, wanted: Mask) -> Plan:
     """The batches for the scenarios that are wanted (n,).  Raises RunError where one cannot be solved."""
-    if isinstance(solver, StudiesSolver):
-        plans = []
-        for name, part in solver.parts.items():
-            first = solver.starts[name]
-            try:
-                plans.append(plan_of(part, wanted[first : first + len(part.scenarios)]))
-            except RunError as error:
-                raise RunError(f"studies.{name}: {error}") from None
-        return joined(plans)
-    every = solver.case.output.histories.every
-    try:
-        return make_plan(solver.scenarios, wanted, len(solver.histories), every, shard)
-    except PlanError as error:
-        raise RunError(str(error)) from None
+    plans, first = [], 0
+    for name, part in solver.parts.items():
+        own, first = wanted[first : first + len(part.scenarios)], first + len(part.scenarios)
+        try:
+            plans.append(
+                make_plan(part.scenarios, own, len(part.histories), part.case.output.histories.every)
+            )
+        except PlanError as error:
+            raise RunError(f"studies.{name}: {error}" if name else str(error)) from None
+    return joined(plans)
 
 
 def origin_of(case: Case, command: Sequence[str], shard: Shard | None = None) -> dict[str, Scalar]:

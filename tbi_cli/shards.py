@@ -34,6 +34,19 @@ class Shard:
         width = len(str(self.of))
         return results.with_name(f"{results.stem}.shard-{self.number:0{width}d}-of-{self.of}{results.suffix}")
 
+    @classmethod
+    def of_path(cls, path: Path, results: Path) -> Shard | None:
+        """Which shard of a results file a file, or the folder of its parts, is; None if it is none."""
+        ends = re.escape(results.stem), re.escape(results.suffix)
+        match = re.fullmatch(rf"{ends[0]}\.shard-0*(\d+)-of-(\d+){ends[1]}(\.parts)?", path.name)
+        if match is None:
+            return None
+        try:
+            shard = cls.parse(f"{match[1]}/{match[2]}")
+        except UserError:
+            return None
+        return shard if path.name.startswith(shard.path(results).name) else None
+
     def __str__(self) -> str:
         return f"{self.number}/{self.of}"
 

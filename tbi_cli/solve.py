@@ -32,6 +32,11 @@ class Solver:
         self.scenarios = Scenarios(case)
         self.stopped = stopped
 
+    @property
+    def parts(self) -> dict[str, Solver]:
+        """The solvers of its grids by name: of a case that is one grid, itself."""
+        return {"": self}
+
     @cached_property
     def channels(self) -> tuple[Channel, ...]:
         """Every channel that any scenario has: those of the most modes and of the most coaches."""

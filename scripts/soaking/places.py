@@ -81,9 +81,12 @@ def kernels(soak: Soak) -> None:
     few = ("--set", "sweep={velocity: [40, 50, 60]}", "-q")
     soak.tbi("run", "case.yaml", "-o", "few.h5", *few)
     first = content(soak.folder / "few.h5")
-    unlocked = "import fcntl; fcntl.flock = None; from tbi_cli.__main__ import main; main()"
+    # As flock fails where a file system has no locks.
+    unlocked = "import fcntl; from tbi_cli.__main__ import main; fcntl.flock = lambda *_: open(''); main()"
     for name, start in (("", ["-m", "tbi_cli"]), (" without file locks", ["-c", unlocked])):
         cache = soak.folder / f"cache{name}"
+        for file in soak.folder.glob("few[0-9].h5"):
+            file.unlink()
         processes = [
             subprocess.Popen(
                 [sys.executable, *start, "run", "case.yaml", "-o", f"few{number}.h5", "--overwrite", *few],
@@ -93,14 +96,16 @@ def kernels(soak: Soak) -> None:
             for number in range(8)
         ]
         codes = [process.wait() for process in processes]
-        same = sum(content(soak.folder / f"few{number}.h5") == first for number in range(8))
+        made = [soak.folder / f"few{number}.h5" for number in range(8)]
+        same = sum(path.exists() and content(path) == first for path in made)
         soak.holds(
             f"8 processes with an empty cache{name}: {same} with the same bits",
             codes == [0] * 8 and same == 8,
         )
-    damaged = 0
-    for file in [path for path in cache.rglob("*.nb?") for _ in range(2)]:
-        file.write_bytes(file.read_bytes()[: random.Random(damaged).choice((0, 100, 5000))])
+    healed, moments = 0, random.Random(1)
+    damages = [path for path in cache.rglob("*.nb?") for _ in range(2)]
+    for file in damages:
+        file.write_bytes(file.read_bytes()[: moments.choice((0, 100, 5000))])
         ended = soak.tbi("run", "case.yaml", "-o", "few.h5", "--overwrite", *few, TBI_CACHE_DIR=str(cache))
-        damaged += ended.returncode == 0 and content(soak.folder / "few.h5") == first
-    soak.holds(f"{damaged} damaged caches healed", damaged == 4)
+        healed += ended.returncode == 0 and content(soak.folder / "few.h5") == first
+    soak.holds(f"{len(damages)} damaged caches, {healed} healed", healed == len(damages) > 0)

@@ -26,7 +26,6 @@ def status(
     from tbi_cli.case import load_case
     from tbi_cli.cluster.status import run_status
     from tbi_cli.cluster.status_text import status_lines
-    from tbi_cli.store import studies_of
 
     case, files = None, [Path(path) for path in paths]
     if len(paths) == 1 and (
@@ -34,10 +33,5 @@ def status(
     ):
         case = load_case(paths[0], overrides=set_ or ())
         files = [output or Path(case.output.file)]
-    names = tuple(case.studies) if case is not None else ()
-    for study in names or studies_of(files[0]) or ("",):
-        if study:
-            print(f"study      {study}")
-        one = case.studies[study] if study and case is not None else case
-        for line in status_lines(run_status(files, one, study=study), verbose=verbose):
-            print(line)
+    for line in status_lines(run_status(files, case), verbose=verbose):
+        print(line)

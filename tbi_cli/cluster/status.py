@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from itertools import chain
 from pathlib import Path
 
@@ -17,13 +17,23 @@ from tbi_cli.case import Case
 from tbi_cli.cluster.job import submission_folder
 from tbi_cli.cluster.submission import read_note
 from tbi_cli.errors import UserError
-from tbi_cli.plan import Costs, costs_of
+from tbi_cli.plan import costs_of, dealt
+from tbi_cli.refine import refiner_of
 from tbi_cli.report.stored_case import stored_case
-from tbi_cli.scenarios import Scenarios
-from tbi_cli.shards import Shard, deal
-from tbi_cli.store import DONE, FAILED, Results, StoreError, open_parts, open_results
+from tbi_cli.shards import Shard
+from tbi_cli.store import (
+    DONE,
+    FAILED,
+    Results,
+    StoreError,
+    heading_of,
+    open_parts,
+    open_results,
+    studies_of,
+)
 from tbi_cli.store.lock import LOCK_FILE, read_holder
 from tbi_cli.store.parts import parts_folder
+from tbi_cli.studies import solver_of
 
 # The pace of a run is that of its latest batches: it may have stood still before, or had other neighbours.
 _LATEST = 20
@@ -36,7 +46,8 @@ class FileStatus:
 
     `state` is finished, incomplete, running, stopped or not begun; `where` says who is at it; `steps_left`
     are the Runge-Kutta steps to do, and `pace` how many are done in a second, None where it does not run.
-    `seconds_per_step` is what a step takes one processor, None before the first batch.
+    `seconds_per_step` is what a step takes one processor, None before the first batch.  `growing` if a
+    refined sweep may come to more scenarios than are counted.
     """
 
     path: Path | None
@@ -49,6 +60,7 @@ class FileStatus:
     steps_left: int = 0
     pace: float | None = None
     seconds_per_step: float | None = None
+    growing: bool = False
 
     @property
     def missing(self) -> int:
@@ -58,9 +70,15 @@ class FileStatus:
 
 @dataclass(frozen=True)
 class RunStatus:
-    """How far a run is, all its files together."""
+    """How far a run is, all its files together, and each study of it where it is of several."""
 
     files: tuple[FileStatus, ...]
+    studies: Mapping[str, RunStatus] = field(default_factory=dict)
+
+    @property
+    def growing(self) -> bool:
+        """Whether a refined sweep may come to more scenarios than are counted."""
+        return any(file.growing for file in self.files)
 
     @property
     def scenarios(self) -> int:
@@ -90,124 +108,165 @@ class RunStatus:
         return sum(file.steps_left for file in self.files) * float(np.median(known)) if known else None
 
 
-def run_status(paths: Sequence[Path], case: Case | None = None, *, study: str = "") -> RunStatus:
+def run_status(paths: Sequence[Path], case: Case | None = None) -> RunStatus:
     """How far the run is whose results file, or whose shards, are at `paths`.
 
-    A results file that is not there yet, and was sent to a cluster, stands for its shards.  `case` is needed
-    where nothing has been computed yet, and must be the one that the files hold.  `study` names one of
-    several that a file holds.  Raises UserError where
-    there is nothing to tell about.
+    A results file that is not there yet stands for its shards, beside it or sent to a cluster.  `case` is
+    needed where nothing has been computed yet, and must be the one that the files hold.  Raises UserError
+    where there is nothing to tell about.
     """
     for _ in range(_LOOKS - 1):
         with contextlib.suppress(FileNotFoundError, StoreError):
-            return _look(paths, case, study)
+            return _look(paths, case)
         time.sleep(0.2)  # a run that is just ending puts its files away
-    return _look(paths, case, study)
+    return _look(paths, case)
 
 
-def _look(paths: Sequence[Path], case: Case | None, study: str) -> RunStatus:
+def _look(paths: Sequence[Path], case: Case | None) -> RunStatus:
     with contextlib.ExitStack() as stack:
         opened: list[_Opened] = []
         for path, shard in chain.from_iterable(_files(named.resolve()) for named in paths):
-            results = _open(path, study)
-            if results is not None:
-                stack.enter_context(results)
+            results = _open(path)
+            for part in results.values():
+                stack.enter_context(part)
             opened.append(_Opened(path, _shard_in(results) or shard, results))
         of = {file.shard.of for file in opened if file.shard is not None}
         if len(of) > 1:
             counts = ", ".join(map(str, sorted(of)))
             raise UserError(f"{paths[0]}: the shards are of different numbers ({counts})")
-        grid = _Grid(_case_of(opened, case, paths[0]))
-        told = [grid.status(file) for file in opened]
-    there = {file.shard.number for file in told if file.shard is not None}
-    absent = [Shard(number, n) for n in of for number in range(1, n + 1) if number not in there]
-    told += [grid.status(_Opened(None, shard, None)) for shard in absent]
-    return RunStatus(tuple(sorted(told, key=lambda file: file.shard.number if file.shard else 0)))
+        there = {file.shard.number for file in opened if file.shard is not None}
+        opened += [
+            _Opened(None, Shard(number, n), {})
+            for n in of
+            for number in range(1, n + 1)
+            if number not in there
+        ]
+        opened.sort(key=lambda file: file.shard.number if file.shard else 0)
+        grids = _Grids(_case_of(opened, case, paths[0]))
+        told = {name: RunStatus(tuple(grids.status(name, file) for file in opened)) for name in grids.names}
+        if list(told) == [""]:
+            return told[""]
+        rows = zip(*(status.files for status in told.values()), strict=True)
+        return RunStatus(tuple(_together(file, row) for file, row in zip(opened, rows, strict=True)), told)
 
 
 @dataclass(frozen=True)
 class _Opened:
+    """A file and what it holds by study; nothing before its first batch."""
+
     path: Path | None
     shard: Shard | None
-    results: Results | None
+    results: Mapping[str, Results]
 
 
-class _Grid:
-    """The grid that the files share.  What its scenarios cost is found out only if some are missing."""
+class _Grids:
+    """The grids that the files share.  What scenarios cost is found out only if some are missing."""
 
     def __init__(self, case: Case) -> None:
-        self._scenarios = Scenarios(case)
+        self._parts = solver_of(case).parts
+        self.names = tuple(self._parts)
 
-    @cached_property
-    def _costs(self) -> Costs:
-        return costs_of(self._scenarios, np.arange(len(self._scenarios)), 0, None)
+    @lru_cache  # noqa: B019 - one case in a process
+    def _owners(self, of: int) -> dict[str, NDArray[np.int64]]:
+        grids = {name: part.scenarios for name, part in self._parts.items() if refiner_of(part) is None}
+        return dealt(grids, of)
 
-    @lru_cache  # noqa: B019 - one grid in a process
-    def _owners(self, of: int) -> NDArray[np.int64]:
-        return deal(self._costs.steps, self._costs.structure, of)
+    def _own(self, name: str, shard: Shard | None) -> tuple[NDArray[np.bool_], bool]:
+        """The scenarios of a shard, or of all; of a refined grid those of the first round, and True."""
+        refiner = refiner_of(self._parts[name], shard)
+        if refiner is not None:
+            return refiner.first() & refiner.own, True
+        if shard is None:
+            return np.ones(len(self._parts[name].scenarios), dtype=bool), False
+        return self._owners(shard.of)[name] == shard.number, False
 
-    def status(self, file: _Opened) -> FileStatus:
-        """How far one file is."""
-        results, shard = file.results, file.shard
-        n = len(self._scenarios)
-        status = np.zeros(n, dtype=np.int8) if results is None else results.status.ravel()
+    def status(self, name: str, file: _Opened) -> FileStatus:
+        """How far one grid of a file is."""
+        results, scenarios = file.results.get(name), self._parts[name].scenarios
+        status = np.zeros(len(scenarios), dtype=np.int8) if results is None else results.status.ravel()
         attributes = {} if results is None else results.attributes
         steps, seconds = float(attributes.get("case_steps", 0)), float(attributes.get("solve_seconds", 0))
         known = FileStatus(
             path=file.path,
-            shard=shard,
+            shard=file.shard,
             scenarios=int(np.sum(status != 0)),
             done=int(np.sum(status == DONE)),
             failed=int(np.sum(status == FAILED)),
             state="finished",
             seconds_per_step=seconds / steps if steps else None,
         )
-        if results is not None and results.finished and (shard is not None or status.all()):
+        if results is not None and results.finished and (file.shard is not None or status.all()):
             return known
-        own = np.ones(n, dtype=bool) if shard is None else self._owners(shard.of) == shard.number
+        own, growing = self._own(name, file.shard)
+        missing = np.flatnonzero(own & (status == 0))
         state, where = _state(file)
         return replace(
             known,
-            scenarios=int(own.sum()),
+            scenarios=known.scenarios + len(missing),
             state=state,
             where=where,
-            steps_left=int(self._costs.steps[own & (status == 0)].sum()),
-            pace=_pace(results) if state == "running" and results is not None else None,
+            steps_left=int(costs_of(scenarios, missing, 0, None).steps.sum()),
+            pace=_pace([results]) if state == "running" and results is not None else None,
+            growing=growing,
         )
 
 
+def _together(file: _Opened, studies: Sequence[FileStatus]) -> FileStatus:
+    """How far a file of several studies is."""
+    first = next((study for study in studies if study.state != "finished"), studies[0])
+    known = [study.seconds_per_step for study in studies if study.seconds_per_step is not None]
+    return replace(
+        first,
+        scenarios=sum(study.scenarios for study in studies),
+        done=sum(study.done for study in studies),
+        failed=sum(study.failed for study in studies),
+        steps_left=sum(study.steps_left for study in studies),
+        pace=_pace(list(file.results.values())) if first.state == "running" else None,
+        seconds_per_step=float(np.median(known)) if known else None,
+        growing=any(study.growing for study in studies),
+    )
+
+
 def _files(path: Path) -> list[tuple[Path, Shard | None]]:
-    """The files that a path stands for: itself, or the shards of a run that was sent to a cluster."""
-    note = read_note(submission_folder(path))
-    if note is None or path.exists() or parts_folder(path).exists():
+    """The files that a path stands for: itself, or the shards that were sent off or lie beside it."""
+    if path.exists() or parts_folder(path).exists():
         return [(path, None)]
-    shards = [Shard(number, note["shards"]) for number in range(1, note["shards"] + 1)]
-    return [(shard.path(submission_folder(path) / "shards" / path.name), shard) for shard in shards]
+    note = read_note(submission_folder(path))
+    if note is not None:
+        shards = [Shard(number, note["shards"]) for number in range(1, note["shards"] + 1)]
+        return [(shard.path(submission_folder(path) / "shards" / path.name), shard) for shard in shards]
+    beside = {Shard.of_path(found, path) for found in path.parent.iterdir()} if path.parent.is_dir() else ()
+    return [(shard.path(path), shard) for shard in beside if shard is not None] or [(path, None)]
 
 
-def _open(path: Path, study: str) -> Results | None:
-    """What a run has written so far; None before its first batch."""
-    results = open_parts(path, study)
-    if results is not None:
-        return results
-    return open_results(path, study=study) if path.exists() else None
+def _open(path: Path) -> dict[str, Results]:
+    """What a run has written so far, by study; nothing before its first batch."""
+    found = {}
+    for study in studies_of(path) or ("",):
+        results = open_parts(path, study)
+        if results is None and path.exists():
+            results = open_results(path, study=study)
+        if results is not None:
+            found[study] = results
+    return found
 
 
-def _shard_in(results: Results | None) -> Shard | None:
-    text = "" if results is None else str(results.attributes.get("shard", ""))
-    return Shard.parse(text) if text else None
+def _shard_in(results: Mapping[str, Results]) -> Shard | None:
+    texts = [str(part.attributes.get("shard", "")) for part in results.values()]
+    return Shard.parse(texts[0]) if texts and texts[0] else None
 
 
 def _case_of(opened: Sequence[_Opened], case: Case | None, named: Path) -> Case:
     """The case of all files; raises UserError if they are of several."""
     for file in opened:
-        if file.results is None:
+        if not file.results or file.path is None:
             continue
+        whole = file.results[""].attributes if "" in file.results else heading_of(file.path).attributes
         if case is None:
-            case = stored_case(file.results.case_yaml)
+            case = stored_case(str(whole.get("case", "")))
             if case is None:
                 raise UserError(f"{file.path}: holds a case that this version of tbi cannot read")
-        if file.results.attributes.get("case_sha256") != case.sha256:
+        if whole.get("case_sha256") != case.sha256:
             raise UserError(f"{file.path}: holds another case")
     if case is None:
         raise UserError(f"{named}: nothing has been computed yet")
@@ -217,17 +276,17 @@ def _case_of(opened: Sequence[_Opened], case: Case | None, named: Path) -> Case:
 def _state(file: _Opened) -> tuple[str, str]:
     """What goes on with a file that is not complete, and who is at it."""
     if file.path is None or not parts_folder(file.path).exists():
-        return ("not begun" if file.results is None else "incomplete"), ""
+        return ("incomplete" if file.results else "not begun"), ""
     holder = read_holder(parts_folder(file.path) / LOCK_FILE)
     if holder is None or holder.is_gone():
         return "stopped", ""
     return "running", f"process {holder.pid} on {holder.host}"
 
 
-def _pace(results: Results) -> float | None:
+def _pace(results: Sequence[Results]) -> float | None:
     """Runge-Kutta steps a second over the latest batches; None before the second one."""
-    latest = results.sources[-_LATEST:]
+    sources = [source for part in results for source in part.sources]
+    latest = sorted((source.path.stat().st_mtime, source.case_steps) for source in sources)[-_LATEST:]
     if len(latest) < 2:
         return None
-    times = [source.path.stat().st_mtime for source in latest]
-    return sum(source.case_steps for source in latest[1:]) / max(times[-1] - times[0], 1e-3)
+    return sum(steps for _, steps in latest[1:]) / max(latest[-1][0] - latest[0][0], 1e-3)

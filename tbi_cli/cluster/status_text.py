@@ -13,9 +13,11 @@ _LISTED = 20
 def status_lines(status: RunStatus, *, verbose: bool = False) -> list[str]:
     """Lines for people: how much is done, failed and missing, by file if there are few, and what is left."""
     missing = status.scenarios - status.done - status.failed
-    lines = [
-        f"scenarios  {status.scenarios}: {status.done} done, {status.failed} failed, {missing} missing",
-    ]
+    lines = []
+    for name, study in status.studies.items():
+        lines += [f"study      {name}", _counts(study)]
+    lines += ["all studies"] if lines else []
+    lines.append(_counts(status))
     if len(status.files) > 1:
         states = Counter(file.state for file in status.files)
         lines.append(
@@ -24,6 +26,15 @@ def status_lines(status: RunStatus, *, verbose: bool = False) -> list[str]:
     listed = verbose or len(status.files) <= _LISTED
     lines += [_line(file) for file in status.files if listed or file.state == "running"]
     return [*lines, *_left(status, missing)]
+
+
+def _counts(status: RunStatus) -> str:
+    missing = status.scenarios - status.done - status.failed
+    least = "at least " if status.growing else ""
+    return (
+        f"scenarios  {least}{status.scenarios}: {status.done} done, {status.failed} failed, "
+        f"{least}{missing} missing"
+    )
 
 
 def _line(file: FileStatus) -> str:
@@ -38,12 +49,15 @@ def _line(file: FileStatus) -> str:
 
 
 def _left(status: RunStatus, missing: int) -> list[str]:
+    if status.growing and not missing:
+        return ["time left  unknown: the sweep may add scenarios where it is refined"]
     if not missing:
         return []
+    about = "at least" if status.growing else "about"
     if status.seconds_left is not None:
-        return [f"time left  about {duration(status.seconds_left)} at the present pace"]
+        return [f"time left  {about} {duration(status.seconds_left)} at the present pace"]
     if status.processor_seconds_left is not None:
-        return [f"time left  about {duration(status.processor_seconds_left)} of one processor"]
+        return [f"time left  {about} {duration(status.processor_seconds_left)} of one processor"]
     return ["time left  unknown: no batch is finished yet"]
 
 

@@ -16,9 +16,10 @@ from tbi_cli.case import Case, load_case
 from tbi_cli.case.emit import emit_yaml
 from tbi_cli.cluster import slurm
 from tbi_cli.cluster.job import Allowance, ArrayRun, submission_folder
+from tbi_cli.cluster.joining import statuses
 from tbi_cli.cluster.scripts import scripts
 from tbi_cli.errors import UserError
-from tbi_cli.store import StoreError, open_results
+from tbi_cli.store import FAILED, StoreError
 from tbi_cli.store.durable import write_text
 from tbi_cli.store.lock import refuse_if_held
 from tbi_cli.store.parts import parts_folder
@@ -124,12 +125,12 @@ def array_run(
 ) -> ArrayRun:
     """The run in as many shards as wanted, but no more than scenarios, or than Slurm allows in an array.
 
-    A run that is resumed keeps its number of shards.  Raises SubmitError for a case of several studies.
+    A run that is resumed keeps its number of shards.
     """
-    if case.studies:
-        raise SubmitError("a case of several studies is not divided into shards; send each study alone")
     note = read_note(submission_folder(results)) if resume else None
-    scenarios, most = math.prod(len(axis) for axis in case.axes), slurm.largest_array_index()
+    grids = case.studies.values() if case.studies else [case]
+    scenarios = sum(math.prod(len(axis) for axis in grid.axes) for grid in grids)
+    most = slurm.largest_array_index()
     if wanted is None:
         wanted = note["shards"] if note else min(_USUAL_SHARDS, scenarios, most)
     shards = min(wanted, scenarios, most)
@@ -211,7 +212,6 @@ def _is_finished(shard: Path) -> bool:
     if not shard.exists() or parts_folder(shard).exists():
         return False
     try:
-        with open_results(shard) as results:
-            return not results.messages
+        return not (statuses(shard) == FAILED).any()
     except StoreError:
         return False

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tbi_cli.case import Case, CaseError, load_case
 from tbi_cli.case.messages import Source
-from tbi_cli.case.yaml12 import Mapping, read_yaml
+from tbi_cli.case.yaml12 import Mapping, Node, read_yaml
 
 
 def stored_case(text: str) -> Case | None:
@@ -17,9 +17,7 @@ def stored_case(text: str) -> Case | None:
     """
     try:
         root, _ = read_yaml(Source("case", text))
-        if not isinstance(root, Mapping) or not all(
-            isinstance(root.get(key), Mapping) for key in ("train", "bridge")
-        ):
+        if not isinstance(root, Mapping) or not all(map(_is_complete, _grids(root))):
             return None
         with tempfile.TemporaryDirectory(prefix="tbi-case-") as folder:
             file = Path(folder) / "case.yaml"
@@ -27,3 +25,17 @@ def stored_case(text: str) -> Case | None:
             return load_case(file)
     except (CaseError, UnicodeError):
         return None
+
+
+def _grids(root: Mapping) -> list[Node | None]:
+    """The studies of a case, or the case itself where it is one grid."""
+    studies = root.get("studies")
+    if studies is None:
+        return [root]
+    return [entry.value for entry in studies.entries.values()] if isinstance(studies, Mapping) else [None]
+
+
+def _is_complete(case: Node | None) -> bool:
+    return isinstance(case, Mapping) and all(
+        isinstance(case.get(key), Mapping) for key in ("train", "bridge")
+    )

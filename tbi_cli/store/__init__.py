@@ -9,7 +9,7 @@ from tbi_cli.store.provenance import provenance
 from tbi_cli.store.records import DONE, FAILED, TO_DO, BatchResult, History
 from tbi_cli.store.results import Results
 from tbi_cli.store.store import ResultsStore
-from tbi_cli.store.studies import StudiesStore, studies_of
+from tbi_cli.store.studies import StudiesStore, heading_of, studies_of
 
 __all__ = [
     "DAF",
@@ -27,6 +27,7 @@ __all__ = [
     "StudiesStore",
     "Variable",
     "check_output",
+    "heading_of",
     "merge",
     "open_parts",
     "open_results",

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tbi_cli.store.assemble import write_results
+from tbi_cli.store.assemble import AnyResults, write_results
 from tbi_cli.store.claim import Claim, check_output
 from tbi_cli.store.compare import refuse_other_run
 from tbi_cli.store.errors import StoreError
@@ -20,6 +20,7 @@ from tbi_cli.store.opening import check_same_grid, open_results, resolve
 from tbi_cli.store.parts import parts_folder
 from tbi_cli.store.picked import settled, unsolved
 from tbi_cli.store.results import Results
+from tbi_cli.store.studies import Heading, heading_of, write_studies
 
 _SHOWN = 20  # shards or cases named in a message
 
@@ -42,30 +43,61 @@ def merge(
     target = check_output(out, overwrite=overwrite)
     if target in {resolve(path) for path in paths}:
         raise StoreError(f"{target}: is one of the shards; choose another file for the result")
+    there: list[Path] = []
+    absent: list[Path] = []
+    for path in map(resolve, paths):
+        (there if path.exists() or parts_folder(path).exists() else absent).append(path)
+    if absent and not (partial and there):
+        raise StoreError(f"missing: {_list([str(p) for p in absent])}")
+    headings = [heading_of(path) for path in there]
+    if headings:
+        _check_studies(there, headings)
+    new = attributes or {}
     with ExitStack() as stack:
-        shards: list[Results] = []
-        absent: list[Path] = []
-        for path in map(resolve, paths):
-            if path.exists() or parts_folder(path).exists():
-                shards.append(stack.enter_context(open_results(path)))
-            else:
-                absent.append(path)
-        if absent and not (partial and shards):
-            raise StoreError(f"missing: {_list([str(p) for p in absent])}")
-        numbers = _check_shards(shards)
-        sources = [source for shard in shards for source in shard.sources]
-        layout = _layout(shards, attributes or {})
-        results = stack.enter_context(Results(target, layout, sources, finished=False))
-        if not partial:
-            _refuse_gaps(numbers, shards, results)
-        layout, found = (layout, results) if partial else settled(layout, results)
+        found: dict[str, tuple[Layout, AnyResults]] = {}
+        for name in headings[0].names if headings and headings[0].names else ("",):
+            shards = [stack.enter_context(open_results(path, study=name)) for path in there]
+            found[name] = _joined(target, shards, new, partial=partial)
         claim = Claim(target)
         try:
-            write_results(target, claim.folder, layout, found)
+            if "" in found:
+                write_results(target, claim.folder, *found[""])
+            else:
+                root = {k: v for k, v in headings[0].attributes.items() if k != "shard"}
+                write_studies(target, claim.folder, {**root, **new}, found)
         finally:
             claim.clean(parts=True)
             claim.release()
     return target
+
+
+def _check_studies(paths: Sequence[Path], headings: Sequence[Heading]) -> None:
+    """Raises `StoreError` if files have not all the same studies, of one case and version."""
+    first = headings[0]
+    for path, heading in zip(paths, headings, strict=True):
+        if bool(heading.names) != bool(first.names):
+            raise StoreError(f"{path}: holds {_studies(heading)}, {paths[0]} {_studies(first)}")
+        if heading.names:
+            old, new = ({**h.attributes, "shard": ""} for h in (heading, first))
+            refuse_other_run(str(path), old, new, f"{paths[0]} sets the measure")
+
+
+def _studies(heading: Heading) -> str:
+    return "several studies" if heading.names else "one grid"
+
+
+def _joined(
+    target: Path, shards: Sequence[Results], attributes: Mapping[str, Scalar], *, partial: bool
+) -> tuple[Layout, AnyResults]:
+    """The layout and the results of one grid, all shards together."""
+    numbers = _check_shards(shards)
+    sources = [source for shard in shards for source in shard.sources]
+    layout = _layout(shards, attributes)
+    results = Results(target, layout, sources, finished=False)
+    if partial:
+        return layout, results
+    _refuse_gaps(numbers, shards, results)
+    return settled(layout, results)
 
 
 def _check_shards(shards: Sequence[Results]) -> tuple[set[int], int]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from tbi_cli.store.errors import StoreError
 from tbi_cli.store.layout import Layout
 from tbi_cli.store.parts import LAYOUT_FILE, STUDIES_FILE, PartSource, part_number, parts_folder
+from tbi_cli.store.picked import SettledSource, is_settled
 from tbi_cli.store.results import Results
 from tbi_cli.store.sources import ResultsSource, Source
 from tbi_cli.store.vet import vet
@@ -125,16 +126,28 @@ class Run:
         sources: list[Source] = []
         layout = self.layout
         if self.extends and self.path.exists():
-            old = ResultsSource(self.path, self.study)
-            check_same_grid(old.layout, layout, self.path)
-            old.layout = replace(old.layout, history_channels=layout.history_channels)
-            sources.append(old)
+            sources.append(as_of(ResultsSource(self.path, self.study), layout))
         for part in self.parts():
             source = PartSource(part, layout)
             if source.run_id == self.run_id:
                 sources.append(source)
             source.close()
         return Results(self.path, layout, sources, finished=False, study=self.study)
+
+
+def as_of(source: ResultsSource, layout: Layout) -> Source:
+    """A results file as a source of the run with that layout, which completes it.
+
+    Raises `StoreError` if it has other axes or channels.
+    """
+    found, whole = source.layout, layout
+    source.layout = replace(found, history_channels=layout.history_channels)
+    made: SettledSource | ResultsSource = source
+    if is_settled(found, layout):
+        made = SettledSource(source, layout)
+        whole = made.layout
+    check_same_grid(found, whole, source.path)
+    return made
 
 
 def check_same_grid(a: Layout, b: Layout, path: Path) -> None:

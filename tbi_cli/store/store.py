@@ -16,7 +16,7 @@ from tbi_cli.store.compare import refuse_other_run
 from tbi_cli.store.durable import write_text
 from tbi_cli.store.errors import StoreError
 from tbi_cli.store.layout import Layout
-from tbi_cli.store.opening import Run
+from tbi_cli.store.opening import Run, as_of
 from tbi_cli.store.parts import LAYOUT_FILE, part_number, write_part
 from tbi_cli.store.picked import settled
 from tbi_cli.store.records import DONE, BatchResult
@@ -98,7 +98,7 @@ class ResultsStore:
             return self._begin(extends=False)
         source = ResultsSource(self.path, self._study)
         refuse_other_run(str(self.path), source.layout.attributes, self.layout.attributes, _ADVICE)
-        with Results(self.path, self.layout, [source], finished=True) as results:
+        with Results(self.path, self.layout, [as_of(source, self.layout)], finished=True) as results:
             self._note_done(results)
         return self._begin(extends=True)
 
@@ -119,6 +119,11 @@ class ResultsStore:
         write_part(self._claim.folder, self._next, self._run.run_id, self.layout, batch)
         self._next += 1
         self._done[batch.indices] |= batch.status == DONE
+
+    @property
+    def parts(self) -> dict[str, ResultsStore]:
+        """The stores of its grids by name: of a file of one grid, itself."""
+        return {"": self}
 
     @property
     def has_parts(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tbi_cli.store import safe
-from tbi_cli.store.assemble import write_group
+from tbi_cli.store.assemble import AnyResults, write_group
 from tbi_cli.store.claim import Claim, check_output, check_path
 from tbi_cli.store.compare import refuse_other_run
 from tbi_cli.store.durable import new_h5, write_text
@@ -22,6 +23,7 @@ from tbi_cli.store.layout import FORMAT_VERSION, STUDIES_FORMAT, Layout, Scalar
 from tbi_cli.store.netcdf import create_group, set_attributes
 from tbi_cli.store.opening import Run, resolve
 from tbi_cli.store.parts import STUDIES_FILE, parts_folder
+from tbi_cli.store.picked import settled
 from tbi_cli.store.records import BatchResult
 from tbi_cli.store.store import ResultsStore
 from tbi_cli.store.vet import vet
@@ -43,13 +45,35 @@ def studies_of(path: str | os.PathLike[str]) -> tuple[str, ...]:
     Empty for a file of one grid, and where there is no file at all, about which `open_results` has more to
     say.  Raises `StoreError` for a file that is damaged.
     """
+    return heading_of(path).names
+
+
+def heading_of(path: str | os.PathLike[str]) -> Heading:
+    """What stands above the studies of a results file, or of the unfinished run that writes it.
+
+    Without attributes where there is no file at all, or no batch of a single grid is in one yet.  Raises
+    `StoreError` for a file that is damaged.
+    """
     path = resolve(path)
     if not os.path.isfile(path):  # noqa: PTH113 - Path.is_file raises where a name is too long
-        heading = _of_parts(path)
-    else:
-        vet(path, lambda: _of_file(path))
-        heading = _of_file(path)
-    return () if heading is None else heading.names
+        return _of_parts(path) or Heading((), {})
+    vet(path, lambda: _of_file(path))
+    return _of_file(path)
+
+
+def write_studies(
+    path: Path,
+    scratch: Path,
+    attributes: Mapping[str, Scalar],
+    studies: Mapping[str, tuple[Layout, AnyResults]],
+    advice: str = "",
+) -> None:
+    """Write the results of studies, by name, as the results file ``path``; see `write_results`."""
+    with new_h5(path, scratch, advice) as new:
+        set_attributes(new.file, {"format": STUDIES_FORMAT, "format_version": FORMAT_VERSION})
+        set_attributes(new.file, {"studies": " ".join(studies), **attributes})
+        for name, (layout, results) in studies.items():
+            write_group(new, create_group(new.file, name), layout, results)
 
 
 def _of_file(path: Path) -> Heading:
@@ -101,14 +125,15 @@ class StudiesStore:
         self.path = check_output(path, resume=resume, overwrite=overwrite)
         self._attributes = attributes
         self._claim = Claim(self.path)
-        self._stores: dict[str, ResultsStore] = {}
+        #: The stores of the studies by name.
+        self.parts: dict[str, ResultsStore] = {}
         try:
             check_path(self.path, resume=resume, overwrite=overwrite)  # again, now that nobody else writes
             if not (resume and self._may_continue()):
                 self._begin(layouts)
             for name, layout in layouts.items():
                 claim = self._claim.study(name)
-                self._stores[name] = ResultsStore(self.path, layout, resume=resume, claim=claim)
+                self.parts[name] = ResultsStore(self.path, layout, resume=resume, claim=claim)
         except BaseException:
             self.close()
             raise
@@ -152,12 +177,12 @@ class StudiesStore:
 
     def done(self) -> NDArray[np.bool_]:
         """Which cases are solved already, by flat index through all studies; failed ones are not."""
-        return np.concatenate([store.done() for store in self._stores.values()])
+        return np.concatenate([store.done() for store in self.parts.values()])
 
     def write(self, batch: BatchResult) -> None:
         """Put a batch, all of one study, on the disk; see `ResultsStore.write`."""
         number = int(np.searchsorted(self._ends, batch.indices[0], side="right"))
-        store = list(self._stores.values())[number]
+        store = list(self.parts.values())[number]
         store.write(batch.moved(store.layout.size - int(self._ends[number])))
 
     def finish(self) -> Path:
@@ -166,20 +191,20 @@ class StudiesStore:
         Raises `StoreError` if the disk refuses; all batches are then still safe.
         """
         self._claim.check()
-        if any(store.has_news for store in self._stores.values()):
+        if any(store.has_news for store in self.parts.values()):
             advice = f"the finished cases are safe in {self._claim.folder}; continue with --resume"
-            with new_h5(self.path, self._claim.folder, advice) as new:
-                set_attributes(new.file, {"format": STUDIES_FORMAT, "format_version": FORMAT_VERSION})
-                set_attributes(new.file, {"studies": " ".join(self._stores), **self._attributes})
-                for name, store in self._stores.items():
-                    with store.results() as results:
-                        write_group(new, create_group(new.file, name), store.layout, results)
+            with ExitStack() as stack:
+                found = {
+                    name: settled(store.layout, stack.enter_context(store.results()))
+                    for name, store in self.parts.items()
+                }
+                write_studies(self.path, self._claim.folder, self._attributes, found, advice)
         self._claim.clean(parts=True)
         self._claim.release()
         return self.path
 
     def close(self) -> None:
         """Give the store up.  Batches that were written stay, for a later run to resume."""
-        if not any(store.has_parts for store in self._stores.values()):
+        if not any(store.has_parts for store in self.parts.values()):
             self._claim.clean(parts=True)
         self._claim.release()

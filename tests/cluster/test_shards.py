@@ -12,13 +12,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tbi_cli.case import Case
+from tbi_cli.case import Case, load_case
 from tbi_cli.errors import UserError
 from tbi_cli.integrator.lanes import LANES
-from tbi_cli.plan import make_plan
-from tbi_cli.runner import Options, run
-from tbi_cli.scenarios import Scenarios
+from tbi_cli.runner import Options, plan_of, rounds_of, run
 from tbi_cli.shards import Shard, deal
+from tbi_cli.solve import Solver
 from tbi_cli.store import merge
 from tests.cluster.runs import SCENARIOS, content, inside
 
@@ -69,17 +68,22 @@ def test_like_lengths_stay_together() -> None:
     assert (bundles == bundles[:, :1]).all()
 
 
-def test_a_resumed_shard_is_the_same_shard(case: Case) -> None:
-    """Also if another selection of scenarios is still wanted, and whatever histories are kept."""
-    scenarios = Scenarios(case)
-    everything = np.ones(SCENARIOS, dtype=bool)
+def test_a_shard_does_not_depend_on_what_is_kept(folder: Path) -> None:
+    """Whatever histories are asked for, and of whichever of its scenarios a resumed shard is left with."""
+    plain, kept = (
+        load_case(folder / "case.yaml", overrides=overrides)
+        for overrides in ([], ["output.histories={channels: [car_body_y], every: 0.01}"])
+    )
     some = np.arange(SCENARIOS) % 3 == 0
     for number in (1, 2, 3):
-        first = make_plan(scenarios, everything, 0, None, Shard(number, 3))
-        again = make_plan(scenarios, some, 8, 0.01, Shard(number, 3))
-        assert np.array_equal(first.own, again.own)
-        batched = np.concatenate(again.batches)
-        assert np.array_equal(np.sort(batched), np.flatnonzero(first.own & some))
+        own = rounds_of(Solver(plain), Shard(number, 3)).own
+        solver = Solver(kept)
+        rounds = rounds_of(solver, Shard(number, 3))
+        assert np.array_equal(own, rounds.own)
+        assert np.array_equal(rounds.own, rounds.first())
+        batched = np.concatenate(plan_of(solver, rounds.first() & some).batches)
+        assert np.array_equal(np.sort(batched), np.flatnonzero(own & some))
+        assert not rounds.more().any()
 
 
 @pytest.mark.parametrize("of", [1, 3, 7, 16])

@@ -195,16 +195,6 @@ def test_the_commands(tmp_path: Path) -> None:
     assert all(f"study          {name}" in shown.out for name in NAMES)
     assert tbi("info", "results.h5", "--diff", "results.h5", folder=tmp_path).out.startswith("the same case")
     assert "tables/spans/peak.csv" in tbi("export", "results.h5", folder=tmp_path).out
-    refused = tbi("run", "case.yaml", "--shard", "1/2", folder=tmp_path)
-    assert refused.code == 2
-    assert refused.err == (
-        "--shard: a case of several studies is not divided; run it whole, or each study alone\n"
-    )
-    sent = tbi("submit", "case.yaml", "--dry-run", "-o", "other.h5", folder=tmp_path)
-    assert (sent.code, sent.err) == (
-        2,
-        "a case of several studies is not divided into shards; send each study alone\n",
-    )
     assert tbi("sweep", "velocity", "case.yaml", folder=tmp_path).code == 2
     reported = tbi("report", "results.h5", "--formats", "png", folder=tmp_path)
     assert reported.code == 0, reported.err
