@@ -123,9 +123,11 @@ def to_json(found: Sequence[Entry]) -> str:
 
 def to_text(found: Sequence[Entry]) -> str:
     """The entries for a terminal: a line each, statements and notes below."""
-    lines = [f"{'where':12} {'what':64} {'paper':>10} {'ours':>10} {'difference':>10}"]
+    whats = [f"{e.what} [{e.unit}]" if e.unit else e.what for e in found]
+    width = max((len(what) for what in whats), default=0)
+    lines = [f"{'where':12} {'what':{width}} {'paper':>10} {'ours':>10} {'difference':>10}"]
     told: set[tuple[str, str]] = set()
-    for e in found:
+    for e, what in zip(found, whats, strict=True):
         if isinstance(e.paper, str):
             lines += [
                 f"{e.where:12} {e.what}",
@@ -133,11 +135,8 @@ def to_text(found: Sequence[Entry]) -> str:
                 f"{'':15}ours:  {e.ours or 'no data'}",
             ]
         else:
-            unit = f" [{e.unit}]" if e.unit else ""
             ours = f"{e.ours:.5g}" if isinstance(e.ours, float) else "no data"
-            lines.append(
-                f"{e.where:12} {e.what + unit:64} {e.paper:>10.5g} {ours:>10} {_away(e):>10}".rstrip()
-            )
+            lines.append(f"{e.where:12} {what:{width}} {e.paper:>10.5g} {ours:>10} {_away(e):>10}".rstrip())
         note = f"doubtful: {e.note}" if e.trust == "doubtful" and e.note else e.note
         if note and (e.id, note) not in told:
             told.add((e.id, note))

@@ -14,8 +14,10 @@ from tbi_cli.report.marks import CRITICAL
 from tbi_cli.report.plot import Array, Axis, Band, Curve, Panel, Plot
 
 # Pixels: above a panel for its title, for each row of marks, the panel, below it for its axis; the legend.
-_TITLE, _MARKS, _PANEL, _FOOT, _LEGEND = 26, 13, 260, 56, 56
+_TITLE, _MARKS, _PANEL, _FOOT, _LEGEND = 26, 13, 260, 56, 24
 _GAP = 0.09  # of the width, between two columns
+_ROW, _LETTER, _SAMPLE, _WIDTH = 26, 7.0, 48, 900  # pixels: of the legend's rows, letters, lines; its width
+_CLOSE = 0.06  # of the height, between the numbers of two limits
 _FAR = 1.6  # limits higher than so many times the curves are left out
 _FONT = "system-ui, sans-serif"
 
@@ -41,9 +43,10 @@ def interactive(plot: Plot) -> dict[str, Any] | None:
     cells, height = _cells(len(panels), marks)
     shared = all([c.label for c in panel.curves] == [c.label for c in panels[0].curves] for panel in panels)
     name, unit = plot.legend
+    legend = _legend_height(panels, shared, bool(name))
     layout: dict[str, Any] = {
-        "height": height + _LEGEND,
-        "margin": {"l": 66, "r": 34, "t": 0, "b": _LEGEND},
+        "height": height + legend,
+        "margin": {"l": 66, "r": 34, "t": 0, "b": legend},
         "hovermode": "x unified",
         "font": {"family": _FONT, "size": 12},
         "paper_bgcolor": "white",
@@ -54,7 +57,10 @@ def interactive(plot: Plot) -> dict[str, Any] | None:
             "yanchor": "top",
             "x": 0.5,
             "xanchor": "center",
-            "title": {"text": words.html_symbols(_escaped(f"{name} [{unit}]" if unit else name))},
+            "title": {
+                "text": words.html_symbols(_escaped(f"{name} [{unit}]" if unit else name)),
+                "side": "top center",
+            },
         },
         "shapes": [],
         "annotations": [],
@@ -64,6 +70,8 @@ def interactive(plot: Plot) -> dict[str, Any] | None:
         x = _scale(panel.x, [curve.x for curve in panel.curves])
         y = _scale(panel.y, [curve.y for curve in panel.curves] + [band.high for band in panel.bands])
         layout[f"xaxis{cell.key}"] = _axis(panel.x, x, cell.x, f"y{cell.key}")
+        head = _escaped(panel.x.label) + " %{x:.6~g} " + _escaped(x.unit)
+        layout[f"xaxis{cell.key}"]["unifiedhovertitle"] = {"text": words.html_symbols(head)}
         layout[f"yaxis{cell.key}"] = _axis(panel.y, y, cell.y, f"x{cell.key}")
         if panel.from_zero:
             layout[f"yaxis{cell.key}"]["rangemode"] = "tozero"
@@ -80,7 +88,10 @@ def interactive(plot: Plot) -> dict[str, Any] | None:
                 "legendgroup": str(curve.place) if shared else f"{k}-{curve.place}",
                 "showlegend": k == 0 or not shared,
             }
-            data.append(_trace(curve, cell.key, x, y) | group)
+            trace = _trace(curve, cell.key, x, y) | group
+            if not shared and len(panels) > 1:
+                trace["name"] = f"({chr(ord('a') + k)}) {trace['name']}"
+            data.append(trace)
     return {"data": data, "layout": layout}
 
 
@@ -99,6 +110,15 @@ def _cells(count: int, marks: int) -> tuple[list[_Cell], int]:
         vertical = (1 - (top + _PANEL) / height, 1 - top / height)
         cells.append(_Cell("" if k == 0 else str(k + 1), (left, left + width), vertical))
     return cells, height
+
+
+def _legend_height(panels: Sequence[Panel], shared: bool, named: bool) -> int:
+    """Pixels for the legend below the panels: its heading and as many rows as its entries fill."""
+    shown = panels[:1] if shared else panels
+    texts = [curve.label for panel in shown for curve in panel.curves]
+    texts += [band.label for panel in shown for band in panel.bands]
+    rows = -(-sum(_SAMPLE + _LETTER * len(text) for text in texts) // _WIDTH)
+    return int(_LEGEND + _ROW * (rows + named))
 
 
 def _trace(curve: Curve, key: str, x: words.Scale, y: words.Scale) -> dict[str, Any]:
@@ -165,6 +185,8 @@ def _marks(layout: dict[str, Any], panel: Panel, key: str, factor: float, rows: 
             ends = {"x0": at, "x1": at, "y0": 0, "y1": 1, "xref": f"x{key}", "yref": f"y{key} domain"}
             layout["shapes"].append({"type": "line", **ends, "line": line, "opacity": 0.7, "layer": "below"})
         at = sum(value for value, _ in mark.values) / len(mark.values) / factor
+        # plotly.js takes the place of a note on a logarithmic axis as an exponent, that of a line as it is.
+        at = float(np.log10(at)) if panel.x.logarithmic else at
         above = _MARKS * (rows - 1 - places.index(mark.place)) if mark.place is not None else 0
         text = f"<i>v</i><sub>cr,{mark.label.removeprefix(CRITICAL)}</sub>"
         note = _text(text, at, 1, f"x{key}", f"y{key} domain", above)
@@ -174,15 +196,17 @@ def _marks(layout: dict[str, Any], panel: Panel, key: str, factor: float, rows: 
 def _limits(layout: dict[str, Any], panel: Panel, key: str, factor: float) -> None:
     """Comfort limits that are not far above the curves."""
     high = max(float(np.nanmax(curve.y, initial=0)) for curve in panel.curves) / factor
-    for limit in panel.limits:
-        at = limit.value / factor
-        if at <= _FAR * high:
-            line = {"color": style.LIMIT, "width": 1, "dash": "dash"}
-            ends = {"x0": 0, "x1": 1, "y0": at, "y1": at, "xref": f"x{key} domain", "yref": f"y{key}"}
-            layout["shapes"].append({"type": "line", **ends, "line": line, "layer": "below"})
-            note = _text(f"{limit.value:g}", 1, at, f"x{key} domain", f"y{key}", 0)
-            look = {"font": {"size": 10, "color": style.LIMIT}, "yanchor": "middle", "xshift": 2}
-            layout["annotations"].append(note | look)
+    shown = [at for limit in panel.limits if (at := limit.value / factor) <= _FAR * high]
+    for at in shown:
+        line = {"color": style.LIMIT, "width": 1, "dash": "dash"}
+        ends = {"x0": 0, "x1": 1, "y0": at, "y1": at, "xref": f"x{key} domain", "yref": f"y{key}"}
+        layout["shapes"].append({"type": "line", **ends, "line": line, "layer": "below"})
+    texts = [(f"{at:g}", at) for at in shown]
+    if texts and max(shown) - min(shown) < _CLOSE * max(high, *shown):
+        texts = [("<br>".join(text for text, _ in reversed(texts)), sum(shown) / len(shown))]
+    for text, at in texts:
+        look = {"font": {"size": 10, "color": style.LIMIT}, "yanchor": "middle", "xshift": 2}
+        layout["annotations"].append(_text(text, 1, at, f"x{key} domain", f"y{key}", 0) | look)
 
 
 def _text(text: str, x: float, y: float, x_of: str, y_of: str, above: float) -> dict[str, Any]:

@@ -151,6 +151,6 @@ def _same_case(study: Study, other: Study) -> bool:
 
 
 def _about(studies: Sequence[Study]) -> str:
-    names = ", ".join(study.results.path.name for study in studies)
+    names = ", ".join(dict.fromkeys(study.results.path.name for study in studies))
     made = time.strftime("%Y-%m-%d %H:%M")
     return f"Made by tbi {tbi_cli.__version__} on {made} from {names}."

@@ -79,7 +79,13 @@ def test_the_page_works_in_a_browser(opened: tuple[Any, list[str], list[str]], p
     page.mouse.move(area["x"] + area["width"] / 2, area["y"] + area["height"] / 2)
     page.wait_for_selector("#fig19 .hoverlayer .legend", timeout=10_000)
     told = page.locator("#fig19 .hoverlayer").text_content()
-    assert "mm" in told and "80" in told
+    assert "mm" in told and "80" in told and "train velocity" in told and "m/s" in told
+    # No legend is cut off, that of Fig. 18 with a curve of its own for each panel among them.
+    for number in range(15, 22):
+        legend = page.locator(f"#fig{number} .infolayer .legend").bounding_box()
+        frame = page.locator(f"#fig{number} .plot").bounding_box()
+        assert frame["x"] <= legend["x"] and legend["x"] + legend["width"] <= frame["x"] + frame["width"]
+        assert legend["y"] + legend["height"] <= frame["y"] + frame["height"]
 
     kept = os.environ.get("TBI_ARTEFACTS")
     if kept:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.mathtext import MathTextParser
 
@@ -68,6 +68,7 @@ def test_a_swept_key_keeps_the_words_of_its_path() -> None:
     assert words.axis_words(dip, frozenset({name.replace("_", ".")})) == "irregularity dip depth, downward"
 
 
+@settings(deadline=None)
 @given(st.text(max_size=80))
 def test_any_text_can_be_drawn(text: str) -> None:
     for made in (words.mathtext(words.clean(text)), words.literal(words.clean(text))):
@@ -75,6 +76,7 @@ def test_any_text_can_be_drawn(text: str) -> None:
         MathTextParser("path").parse(made if made.count("$") % 2 == 0 else "", 72)
 
 
+@settings(deadline=None)
 @given(st.text(max_size=80))
 def test_no_text_can_open_an_element(text: str) -> None:
     assert not set('<>"') & set(escape(text))
