@@ -19,7 +19,8 @@ from tbi_cli.track import RailProfile, rail_profile
 
 # Keys that decide how a scenario is crossed and looked at, not what crosses what.
 _NOT_THE_MODEL = ("velocity", "solver.sampling", "solver.substeps", "solver.duration")
-_MODELS_KEPT = 64
+_COORDINATES_KEPT = 20_000  # of all models together; one takes some 4 kB
+_COORDINATES_OF_A_MODEL = 16  # counted for what does not grow with them
 _RAILS_KEPT = 256 * 2**20  # bytes
 _PACES_KEPT = 10_000
 _CASES_KEPT = 1000
@@ -27,6 +28,10 @@ _CASES_KEPT = 1000
 
 def _not_the_model(path: str) -> bool:
     return path in _NOT_THE_MODEL or path.startswith("track.")
+
+
+def _size(model: Model) -> int:
+    return _COORDINATES_OF_A_MODEL + len(model.system.coordinates)
 
 
 def _of_the_track(path: str) -> bool:
@@ -47,6 +52,7 @@ class Scenarios:
         self._track_axes = [k for k, axis in enumerate(self.axes) if any(map(_of_the_track, axis.paths))]
         self._rails: OrderedDict[tuple[float, ...], RailProfile] = OrderedDict()
         self._models: OrderedDict[tuple[float, ...], Model] = OrderedDict()
+        self._kept = 0
         self._cases: dict[tuple[float, ...], Case] = {}
         self._lock = threading.Lock()
 
@@ -93,9 +99,11 @@ class Scenarios:
                 return self._models[key]
         made = make_model(case or self.case_of(index))
         with self._lock:
-            self._models[key] = made
-            while len(self._models) > _MODELS_KEPT:
-                self._models.popitem(last=False)
+            if key not in self._models:
+                self._models[key] = made
+                self._kept += _size(made)
+            while self._kept > _COORDINATES_KEPT and len(self._models) > 1:
+                self._kept -= _size(self._models.popitem(last=False)[1])
         return made
 
     def rails(self, index: int, case: Case) -> RailProfile | None:
