@@ -16,6 +16,7 @@ from tbi_cli.report import style, words
 from tbi_cli.report.draw_heat import draw_heat
 from tbi_cli.report.draw_legend import draw_legends
 from tbi_cli.report.draw_marks import ROW, draw_limits, draw_marks, rows_of_labels
+from tbi_cli.report.marks import LIFT_OFF
 from tbi_cli.report.plot import Axis, Curve, HeatPanel, Panel, Plot
 
 _WIDTH, _SINGLE_WIDTH = 7.1, 4.8  # inches: two columns of a journal's page; one panel alone
@@ -74,7 +75,8 @@ def _draw_panel(axes: Axes, panel: Panel, title: str, unit: str, nested: bool) -
         _draw_curve(axes, curve, x.factor, y.factor, width)
     for points in panel.points:
         at = (points.x / x.factor, points.y / y.factor)
-        axes.plot(*at, "v", markersize=3.4, color=style.colour(points.place), label=f"_{points.label}")
+        look = style.POINTS.get(points.label, style.POINTS[LIFT_OFF])
+        axes.plot(*at, color=style.colour(points.place), label=f"_{points.label}", **look)
     if panel.x.logarithmic:
         axes.set_xscale("log")
     if panel.y.logarithmic:

@@ -9,13 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.transforms import Transform, blended_transform_factory
 
 from tbi_cli.report import style
-from tbi_cli.report.marks import CRITICAL
+from tbi_cli.report.marks import CRITICAL, RESONANCE
 from tbi_cli.report.plot import Limit, Mark, Panel
 
 ROW = 8.5  # points between rows of labels above a panel
 _MOST_ROWS = 4
 _SMALL = 6.5
-_APART = 0.075  # share of the axis between two labels of a row, at least
+# Share of the axis between two labels of a row, at least: of two columns of panels, of three.
+_APART, _APART_IN_THREE = 0.075, 0.13
 # Labels of limits closer than this share of the axis become one; limits so far above the curves only a note.
 _CLOSE, _FAR = 0.075, 1.6
 
@@ -40,7 +41,9 @@ def draw_marks(axes: Axes, panel: Panel, x_factor: float, y_factor: float, unit:
     above = blended_transform_factory(axes.transData, axes.transAxes)
     places = sorted({mark.place for mark in panel.marks if mark.place is not None})
     low, high = axes.get_xlim()
-    labelled: dict[int, float] = {}  # where the last label of each row stands
+    spot = axes.get_subplotspec()
+    apart = (high - low) * (_APART if spot is None or spot.get_gridspec().ncols < 3 else _APART_IN_THREE)
+    labelled: dict[int, list[float]] = {}  # where the labels of each row stand
     for mark in panel.marks:
         colour = style.MARK if mark.place is None else style.colour(mark.place)
         for value, beam in mark.values:
@@ -50,8 +53,9 @@ def draw_marks(axes: Axes, panel: Panel, x_factor: float, y_factor: float, unit:
         row = 0 if mark.place is None else places.index(mark.place)
         height = 2.0 + ROW * (rows - 1 - row)
         middle = sum(value for value, _ in mark.values) / len(mark.values) / x_factor
-        if low <= middle <= high and middle - labelled.get(row, -np.inf) > _APART * (high - low):
-            labelled[row] = middle
+        others = labelled.setdefault(row, [])
+        if low <= middle <= high and all(abs(middle - x) > apart for x in others):
+            others.append(middle)
             _annotate(axes, _text(mark), (middle, 1.0), above, (0, height), "center", colour)
     if rows > 1:
         for row, place in enumerate(places):
@@ -77,6 +81,8 @@ def _annotate(
 
 
 def _text(mark: Mark) -> str:
+    if mark.label.startswith(RESONANCE):
+        return f"$v_{{{mark.label.removeprefix(RESONANCE)}}}$"
     if not mark.label.startswith(CRITICAL):
         return mark.label
     return rf"$v_{{\mathrm{{cr}},{mark.label.removeprefix(CRITICAL)}}}$"

@@ -18,7 +18,12 @@ def extremes(study: Study) -> Table:
     is compared with its own beam.
     """
     velocity = study.axis("velocity")
-    near = velocity is not None and velocity.varies and study.case is not None
+    near = (
+        velocity is not None
+        and velocity.varies
+        and study.case is not None
+        and bool(marks.critical(study.case))
+    )
     heads = ["channel", "what", "unit", "largest", "time [s]"]
     heads += [
         f"{axis.name}{'' if axis.dim.units == '1' else f' [{axis.dim.units}]'}" for axis in study.varied

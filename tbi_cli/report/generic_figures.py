@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from tbi_cli.case import AxleForces, Consist, HslmA
 from tbi_cli.report import words
 from tbi_cli.report.heat import heat_panel
 from tbi_cli.report.panels import Family, View, in_time, over_axis
@@ -14,6 +16,7 @@ from tbi_cli.report.study import Study, StudyAxis
 from tbi_cli.report.wishes import NONE, TIME, Channel, Wishes, channels_like
 
 _MOST_CURVES, _MOST_PANELS = 8, 12
+_OF_BRIDGE = re.compile(r"_(midspan|station_[0-9]+)(_|$)")
 # What most people look at first, where the vehicle has it; each a figure of panels.
 _GROUPS: Mapping[str, tuple[str, ...]] = {
     "displacement": ("car_body_y", "car_body_z"),
@@ -100,9 +103,13 @@ def groups(study: Study, wishes: Wishes) -> dict[str, list[Channel]]:
         name: [found for pattern in patterns for found in channels_like(study, pattern)]
         for name, patterns in _GROUPS.items()
     }
+    if study.case is not None and isinstance(study.case.train, Consist | HslmA | AxleForces):
+        # A whole train never stands at mid-span, as the paper's factor has it.
+        groups["amplification"] = [(table, f"{name}_static") for table, name in groups["amplification"]]
     groups = {name: channels for name, channels in groups.items() if channels}
     if not set(groups) - {"midspan", "midspan-acceleration", "amplification"}:
-        first = [v.name for v in study.results.channels if "midspan" not in v.name][:4]
+        of_vehicle = (v.name for v in study.results.channels if not _OF_BRIDGE.search(v.name))
+        first = list(of_vehicle)[:4]
         others = [found for name in first for found in channels_like(study, name)]
         groups = ({"vehicle": others} if others else {}) | groups
     return groups

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from tbi_cli.report import style, words
-from tbi_cli.report.marks import CRITICAL
-from tbi_cli.report.plot import Array, Axis, Band, Curve, Panel, Plot
+from tbi_cli.report.marks import CRITICAL, RESONANCE
+from tbi_cli.report.plot import Array, Axis, Band, Curve, Mark, Panel, Plot, Points
 
 # Pixels: above a panel for its title, for each row of marks, the panel, below it for its axis; the legend.
 _TITLE, _MARKS, _PANEL, _FOOT, _LEGEND = 26, 13, 260, 56, 24
@@ -92,6 +92,7 @@ def interactive(plot: Plot) -> dict[str, Any] | None:
             if not shared and len(panels) > 1:
                 trace["name"] = f"({chr(ord('a') + k)}) {trace['name']}"
             data.append(trace)
+        data += [_dots(points, cell.key, x, y) for points in panel.points]
     return {"data": data, "layout": layout}
 
 
@@ -136,6 +137,23 @@ def _trace(curve: Curve, key: str, x: words.Scale, y: words.Scale) -> dict[str, 
     }
 
 
+def _dots(points: Points, key: str, x: words.Scale, y: words.Scale) -> dict[str, Any]:
+    """Open circles, which the pointer passes over: the curve under them tells the numbers."""
+    colour = style.colour(points.place)
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": _escaped(points.label),
+        "x": _packed(points.x / x.factor),
+        "y": _packed(points.y / y.factor),
+        "xaxis": f"x{key}",
+        "yaxis": f"y{key}",
+        "marker": {"symbol": "circle-open", "size": 8, "color": colour},
+        "showlegend": False,
+        "hoverinfo": "skip",
+    }
+
+
 def _edges(band: Band, key: str, x: words.Scale, y: words.Scale, named: bool) -> list[dict[str, Any]]:
     """The lower edge of a band, and the upper one with what is between them filled."""
     colour = style.colour(band.place)
@@ -174,7 +192,7 @@ def _axis(axis: Axis, scale: words.Scale, domain: Sequence[float], anchor: str) 
 
 
 def _marks(layout: dict[str, Any], panel: Panel, key: str, factor: float, rows: int) -> None:
-    """The critical velocities: thin lines, each curve's labels in a row of their own above the panel."""
+    """Speeds of note: thin lines, each curve's labels in a row of their own above the panel."""
     places = sorted({mark.place for mark in panel.marks if mark.place is not None})
     for mark in panel.marks:
         colour = style.MARK if mark.place is None else style.colour(mark.place)
@@ -188,13 +206,20 @@ def _marks(layout: dict[str, Any], panel: Panel, key: str, factor: float, rows: 
         # plotly.js takes the place of a note on a logarithmic axis as an exponent, that of a line as it is.
         at = float(np.log10(at)) if panel.x.logarithmic else at
         above = _MARKS * (rows - 1 - places.index(mark.place)) if mark.place is not None else 0
-        text = f"<i>v</i><sub>cr,{mark.label.removeprefix(CRITICAL)}</sub>"
-        note = _text(text, at, 1, f"x{key}", f"y{key} domain", above)
+        note = _text(_mark_text(mark), at, 1, f"x{key}", f"y{key} domain", above)
         layout["annotations"].append(note | {"font": {"size": 10, "color": colour}, "xanchor": "center"})
 
 
+def _mark_text(mark: Mark) -> str:
+    if mark.label.startswith(CRITICAL):
+        return f"<i>v</i><sub>cr,{mark.label.removeprefix(CRITICAL)}</sub>"
+    if mark.label.startswith(RESONANCE):
+        return f"<i>v</i><sub>{mark.label.removeprefix(RESONANCE)}</sub>"
+    return _escaped(mark.label)
+
+
 def _limits(layout: dict[str, Any], panel: Panel, key: str, factor: float) -> None:
-    """Comfort limits that are not far above the curves."""
+    """Limits of standards that are not far above the curves."""
     high = max(float(np.nanmax(curve.y, initial=0)) for curve in panel.curves) / factor
     shown = [at for limit in panel.limits if (at := limit.value / factor) <= _FAR * high]
     for at in shown:

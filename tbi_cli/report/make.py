@@ -9,9 +9,11 @@ from pathlib import Path
 
 import tbi_cli
 from tbi_cli.report import claims
+from tbi_cli.report.bridge_figures import bridge_figures
 from tbi_cli.report.catalogue import catalogue
 from tbi_cli.report.contact_figures import contact_figures
 from tbi_cli.report.ensembles import ensemble_figures, ensemble_table, seeds_of
+from tbi_cli.report.envelopes import envelope_figures
 from tbi_cli.report.errors import ReportError
 from tbi_cli.report.extremes import extremes
 from tbi_cli.report.folder import check_folder, report_folder
@@ -22,6 +24,7 @@ from tbi_cli.report.paper_figures import Fit, fit_of, paper_figure
 from tbi_cli.report.paper_tables import paper_tables
 from tbi_cli.report.pictures import save_all
 from tbi_cli.report.plot import Plot
+from tbi_cli.report.resonance import resonance_table
 from tbi_cli.report.study import Study, open_studies
 from tbi_cli.report.table import Table
 from tbi_cli.report.track_figures import track_figures
@@ -75,6 +78,7 @@ def make_report(
         by_number = paper_tables(studies)
         tables = [table for table, _ in by_number.values()]
         tables += [table for study in studies if (table := ensemble_table(study))]
+        tables += [table for study in studies if (table := resonance_table(study, select[study.name]))]
         drawn = {plot.name for plot in figures}
         absent = () if wishes.own_figures else missing(drawn, set(by_number), studies)
         holes = gaps(studies)
@@ -124,8 +128,14 @@ def _figures(studies: Sequence[Study], wishes: Wishes, select: dict[str, dict[st
     for study in studies:
         figures += track_figures(study, select[study.name])
         figures += [plot for plot in contact_figures(study, select[study.name]) if not plot.empty]
+        of_bridge = [plot for plot in bridge_figures(study, select[study.name]) if not plot.empty]
+        figures += of_bridge
+        figures += envelope_figures(study, select[study.name])
         if not _shown(study, used[study.name], select[study.name]):
-            figures += _others(study, wishes, select[study.name])
+            # What is at mid-span stands in those figures already.
+            seen = {f"{study.name}-midspan"} if any("-deck" in plot.name for plot in of_bridge) else set()
+            others = _others(study, wishes, select[study.name])
+            figures += [plot for plot in others if not plot.name.startswith(tuple(seen))]
     return figures
 
 

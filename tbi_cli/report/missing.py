@@ -55,6 +55,9 @@ def gaps(studies: Sequence[Study]) -> tuple[str, ...]:
             text = (
                 f"{name}: {study.to_do} of {count} scenarios are not solved yet; curves and tables have gaps"
             )
+            if any(axis.refined for axis in study.axes):
+                done = count - study.to_do - study.failed
+                text = f"{name}: not finished, {done} scenarios are solved; refinement adds more"
             found.append(f"{text}; {_how_to_go_on(study)}")
         if study.failed:
             first = next(iter(study.results.messages.values()), "")

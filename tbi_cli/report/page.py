@@ -18,6 +18,7 @@ from tbi_cli.store import StoreError
 
 # Of all pictures and all plots on a page, in bytes; plotly.js itself takes 4.8 MB of the 10 MB.
 _PICTURES, _PLOTS = 3_400_000, 1_300_000
+_MOST_ROWS = 60  # of a table that stands open on the page
 _WIDE = 40  # characters: longer texts in a table are wrapped
 _LEFT_OUT = "Left out of this page for its size; the files beside it have it."
 
@@ -47,7 +48,7 @@ def page(contents: Contents) -> str:
     sections = [
         ("summary", "Summary", _summary(contents)),
         ("figures", "Figures", _figures(contents.figures)),
-        ("tables", "Tables", "".join(_table(table) for table in contents.tables)),
+        ("tables", "Tables", "".join(_listed(table) for table in contents.tables)),
         ("claims", "The paper's numbers", _table(contents.claims) if contents.claims else ""),
         ("extremes", "Extremes", "".join(_folded(table) for table in contents.extremes)),
         ("cases", "Cases and provenance", "".join(_study(study) for study in contents.studies)),
@@ -122,6 +123,10 @@ def _figure(plot: Plot, data: str, image: str) -> Iterator[str]:
 def _table(table: Table) -> str:
     note = f'<p class="note">{escape(table.note)}</p>' if table.note else ""
     return f"<h3>{escape(table.heading)}</h3>{_grid(table.columns, table.rows)}{note}"
+
+
+def _listed(table: Table) -> str:
+    return _table(table) if len(table.rows) <= _MOST_ROWS else _folded(table)
 
 
 def _folded(table: Table) -> str:

@@ -34,15 +34,16 @@ class Family:
     @property
     def legend(self) -> tuple[str, str]:
         """The heading of the legend: the axis and its unit."""
-        return words.axis_words(self.axis.dim, self.axis.paths), self._scale.unit
+        return words.axis_words(self.axis.lead, self.axis.paths), self._scale.unit
 
     def label(self, member: int) -> str:
         """The text for one curve."""
-        return words.number(float(self.axis.values[member]) / self._scale.factor)
+        return words.number(float(self.axis.lead.values[member]) / self._scale.factor)
 
     @property
     def _scale(self) -> words.Scale:
-        return words.scale(self.axis.dim.units, float(np.max(np.abs(self.axis.values))))
+        lead = self.axis.lead
+        return words.scale(lead.units, float(np.max(np.abs(lead.values))))
 
 
 @dataclass(frozen=True)
@@ -95,11 +96,11 @@ def over_axis(view: View, title: str, table: str, channels: Sequence[str], x: St
     for variable in variables:
         if view.family is None:
             y = view.study.along(table, variable.name, [x], view.place)
-            curves.append(Curve(words.body_of(variable), x.values, y, len(curves)))
+            curves.append(_solved(x, Curve(words.body_of(variable), x.values, y, len(curves))))
             continue
         values = view.study.along(table, variable.name, [view.family.axis, x], view.place)
         curves += [
-            Curve(view.label(side, k), x.values, values[member], k)
+            _solved(x, Curve(view.label(side, k), x.values, values[member], k))
             for k, member in enumerate(view.family.members)
         ]
     over_velocity = x.paths == frozenset({"velocity"})
@@ -114,6 +115,14 @@ def over_axis(view: View, title: str, table: str, channels: Sequence[str], x: St
         limits=marks.limits(channels) if table in ("peak", "max", "rms") else (),
         from_zero=table in ("peak", "rms") and units != "N",
     )
+
+
+def _solved(x: StudyAxis, curve: Curve) -> Curve:
+    """A curve over an axis that grows its own values: through those that were solved, whatever is between."""
+    if not x.refined:
+        return curve
+    known = np.isfinite(curve.y)
+    return replace(curve, x=curve.x[known], y=curve.y[known])
 
 
 def in_time(view: View, title: str, channels: Sequence[str]) -> Panel | None:

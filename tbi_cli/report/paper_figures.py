@@ -138,18 +138,28 @@ def mark_words(panels: Sequence[Panel]) -> list[str]:
         found.append(f"Thin lines: critical velocities of Eq. (16){how}")
     if any(mark.label == marks.EXIT for mark in lines):
         found.append("Thin line: the train leaves the bridge")
-    if any(panel.points for panel in panels):
+    if any(mark.label.startswith(marks.RESONANCE) for mark in lines):
+        sides = {side for mark in lines for _, side in mark.values}
+        how = " (right beam dashed, left beam dotted)" if len(sides) > 1 else ""
+        found.append(f"Thin lines: v_j,i = f_j D/i, where mode j is expected to resonate{how}")
+    points = {points.label for panel in panels for points in panel.points}
+    if marks.LIFT_OFF in points:
         found.append("Triangles: a wheel lifts off")
-    if any(panel.limits for panel in panels):
+    if marks.PEAK in points:
+        found.append("Circles: peaks that are found")
+    limits = {limit.label for panel in panels for limit in panel.limits}
+    if marks.ISO_2631[0].label in limits:
         found.append("ISO 2631 as quoted in the paper: 0.37 and 0.49 m/s² of body acceleration")
+    if marks.EN_1990[0].label in limits:
+        found.append("EN 1990, A2.4.4.2.1: at most 3.5 m/s² of a deck with ballast, 5.0 m/s² without")
     return found
 
 
 def held_at(axis: StudyAxis, index: int) -> str:
     """An axis and its value in words: "car body mass m_c = 40 t"."""
-    value = float(axis.values[index])
-    scale = words.scale(axis.dim.units, abs(value))
-    head, gap, last = words.axis_words(axis.dim, axis.paths).rpartition(" ")
+    value = float(axis.lead.values[index])
+    scale = words.scale(axis.lead.units, abs(value))
+    head, gap, last = words.axis_words(axis.lead, axis.paths).rpartition(" ")
     # The symbol, the number and the unit stay on one line.
     end = f"{last} = {words.number(value / scale.factor)} {scale.unit}".strip()
     return head + gap + end.replace(" ", "\N{NO-BREAK SPACE}")

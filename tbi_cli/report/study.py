@@ -39,6 +39,18 @@ class StudyAxis:
         return self.dim.values
 
     @property
+    def lead(self) -> Dim:
+        """The dimension whose values name the places: of zipped axes the first, if it rises or falls."""
+        first = self.dim.members[0] if self.dim.members else self.dim
+        steps = np.diff(first.values)
+        return first if np.all(steps > 0) or np.all(steps < 0) else self.dim
+
+    @property
+    def refined(self) -> bool:
+        """Whether the axis grows its values by itself, so that not all that it has need be solved."""
+        return self.axis is not None and self.axis.refinement is not None
+
+    @property
     def varies(self) -> bool:
         """Whether there is more than one value."""
         return len(self.dim.values) > 1

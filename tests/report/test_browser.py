@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ playwright = pytest.importorskip("playwright.sync_api", reason="playwright is no
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium here; Debian: apt-get install chromium")
 
+Opened = tuple[Any, list[str], list[str]]
 QUIET = (
     "--headless",
     "--no-sandbox",
@@ -42,7 +44,13 @@ def page_file(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def opened(page_file: Path, tmp_path: Path) -> Iterator[tuple[Any, list[str], list[str]]]:
+def opened(page_file: Path, tmp_path: Path) -> Iterator[Opened]:
+    with visited(page_file, tmp_path) as page:
+        yield page
+
+
+@contextmanager
+def visited(page_file: Path, tmp_path: Path) -> Iterator[Opened]:
     """The page once all plots are drawn, what it complained of, and what it fetched."""
     complaints: list[str] = []
     fetched: list[str] = []
@@ -65,7 +73,7 @@ def opened(page_file: Path, tmp_path: Path) -> Iterator[tuple[Any, list[str], li
         context.close()
 
 
-def test_the_page_works_in_a_browser(opened: tuple[Any, list[str], list[str]], page_file: Path) -> None:
+def test_the_page_works_in_a_browser(opened: Opened, page_file: Path) -> None:
     page, complaints, fetched = opened
     # Figs. 15-21 are over velocity; every one is a plot with a curve for each of its data.
     for number, curves in ((15, 6), (16, 6), (17, 6), (18, 6), (19, 8), (20, 8), (21, 8)):
@@ -113,3 +121,35 @@ def test_the_page_works_in_a_browser(opened: tuple[Any, list[str], list[str]], p
 
     assert complaints == []
     assert fetched == [page_file.as_uri()]
+
+
+def test_ten_trains_and_their_resonances_in_a_browser(tmp_path: Path) -> None:
+    sweep = "{train.number: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10], velocity: {from: 80, to: 120, step: 2}}"
+    for command in (
+        ("run", "practice/hslm-a", "--set", f"sweep={sweep}", "-o", "trains.h5", "-q"),
+        ("report", "trains.h5", "--formats", "png", "-q"),
+    ):
+        ended = tbi(*command, folder=tmp_path)
+        assert ended.code == 0, ended.err
+    file = tmp_path / "trains-report" / "report.html"
+    with visited(file, tmp_path) as (page, complaints, fetched):
+        # One span: deflection and acceleration of ten trains; then a panel for each train.
+        deck = page.locator("#trains-deck .plot")
+        assert deck.locator(".scatterlayer .trace").count() == 20
+        assert deck.locator(".legendtext").all_text_contents() == [f"A{k}" for k in range(1, 11)]
+        assert page.locator("#trains-resonance-acceleration .plot .lines > path").count() >= 10
+        assert page.locator("#trains-resonance-acceleration .plot .points > path").count() >= 5
+        deck.scroll_into_view_if_needed()
+        area = deck.locator(".nsewdrag").first.bounding_box()
+        assert area is not None
+        page.mouse.move(area["x"] + area["width"] / 2, area["y"] + area["height"] / 2)
+        page.wait_for_selector("#trains-deck .hoverlayer .legend", timeout=10_000)
+        told = page.locator("#trains-deck .hoverlayer").text_content()
+        assert "A10" in told and "mm" in told
+        assert "Resonance" in page.locator("#tables ~ details summary, #tables ~ h3").all_text_contents()[0]
+        kept = os.environ.get("TBI_ARTEFACTS")
+        if kept:
+            Path(kept).mkdir(parents=True, exist_ok=True)
+            page.screenshot(path=str(Path(kept) / "report-trains.png"), full_page=True)
+        assert complaints == []
+        assert fetched == [file.as_uri()]
