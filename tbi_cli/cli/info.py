@@ -41,7 +41,7 @@ def info(
                 print()
         return
     lines = list(_differences(results, diff, studies))
-    print("\n".join(lines) if lines else "the same case, axes, channels and tables")
+    print("\n".join(lines or ["the same case, axes, channels and tables"]))
 
 
 def _differences(one: Path, other: Path, studies: tuple[str, ...]) -> Iterator[str]:
@@ -65,6 +65,7 @@ def _show(opened: Results, verbose: bool) -> None:
 
     from tbi_cli.cli.summary import extremes
     from tbi_cli.store import DONE, FAILED
+    from tbi_cli.store.errors import one_line
 
     status = opened.status
     for dim in opened.dims:
@@ -77,7 +78,7 @@ def _show(opened: Results, verbose: bool) -> None:
     print(f"channels       {len(opened.channels)} in tables, {len(opened.history_channels)} in histories")
     for key in _PROVENANCE:
         if key in opened.attributes:
-            print(f"{key:14} {opened.attributes[key]}")
+            print(f"{key:14} {one_line(str(opened.attributes[key]))}")
     print()
     for line in extremes(opened, every_channel=verbose):
         print(line)

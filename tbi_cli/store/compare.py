@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from itertools import islice
-from typing import Any
-
-import yaml
+from collections.abc import Mapping
 
 from tbi_cli.store.errors import StoreError, one_line
 from tbi_cli.store.layout import Scalar
 
 _SHOWN = 5  # changed keys named in a message
-_LEAVES = 10_000  # of a case that are looked at; aliases in a stranger's YAML can stand for billions
 
 
 def refuse_other_run(where: str, old: Mapping[str, Scalar], new: Mapping[str, Scalar], advice: str) -> None:
@@ -34,31 +29,27 @@ def refuse_other_run(where: str, old: Mapping[str, Scalar], new: Mapping[str, Sc
 
 def changed_keys(old: str, new: str) -> str:
     """The keys of two resolved cases whose values differ, with both values, for a message."""
+    from tbi_cli.case import CaseError
+    from tbi_cli.case.leaves import leaves_of
+
     try:
-        a, b = (dict(islice(_leaves(yaml.safe_load(text)), _LEAVES)) for text in (old, new))
-    except (yaml.YAMLError, ValueError, RecursionError, TypeError):
+        a, b = leaves_of(old), leaves_of(new)
+    except CaseError:
         return "which cannot be compared"
     keys = [key for key in dict.fromkeys([*a, *b]) if a.get(key, "absent") != b.get(key, "absent")]
     if not keys:
         return "which differs in its checksum only"
     shown = [
-        f"{key}: {_short(a.get(key, 'absent'))}, now {_short(b.get(key, 'absent'))}" for key in keys[:_SHOWN]
+        f"{key}: {in_short(a.get(key, 'absent'))}, now {in_short(b.get(key, 'absent'))}"
+        for key in keys[:_SHOWN]
     ]
     if len(keys) > _SHOWN:
         shown.append(f"and {len(keys) - _SHOWN} more keys")
     return "; ".join(shown)
 
 
-def _leaves(node: Any, key: str = "", depth: int = 0) -> Iterator[tuple[str, Any]]:
-    """The values of a case with their dotted keys; a list counts as one value."""
-    if isinstance(node, dict) and depth < 20:
-        for name, value in node.items():
-            yield from _leaves(value, f"{key}.{name}" if key else str(name), depth + 1)
-    else:
-        yield key, node
-
-
-def _short(value: Any) -> str:
+def in_short(value: object) -> str:
+    """A value of a case in a few characters."""
     if isinstance(value, list | dict):
         return f"{len(value)} values" if len(value) > 4 else one_line(str(value))[:60]
     return one_line(str(value))[:60]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.store.errors import StoreError
+from tbi_cli.store.errors import StoreError, one_line
 
 FORMAT = "tbi-results"
 #: Of a file whose groups are the roots of such files, one for each study.
@@ -165,7 +165,8 @@ class Layout:
 
             def variables(key: str) -> tuple[Variable, ...]:
                 return tuple(
-                    Variable(str(v["name"]), str(v["units"]), str(v["long_name"])) for v in data.pop(key)
+                    Variable(*(one_line(str(v[word])) for word in ("name", "units", "long_name")))
+                    for v in data.pop(key)
                 )
 
             attributes = data.pop("attributes")
@@ -190,7 +191,8 @@ def _from_plain(plain: dict[str, Any]) -> Dim:
     members = tuple(_from_plain({**member, "members": []}) for member in plain.get("members", []))
     if any(member.values.shape != values.shape for member in members):
         raise StoreError("has members of a dimension that are not as long as it")
-    return Dim(str(plain["name"]), values, str(plain["units"]), str(plain["long_name"]), members)
+    name, units, long_name = (one_line(str(plain[word])) for word in ("name", "units", "long_name"))
+    return Dim(name, values, units, long_name, members)
 
 
 def _names(variables: tuple[Variable, ...]) -> list[str]:

@@ -175,7 +175,7 @@ def read_layout(path: Path, study: str = "") -> Layout:
             raise StoreError(f"{path}: has the format version {version}, this tbi reads {FORMAT_VERSION}")
         for total in TOTALS:
             attributes.pop(total, None)
-        names = {key: str(attributes.pop(key, "")).split() for key in NAME_LISTS}
+        names = {key: _names(path, attributes.pop(key, "")) for key in NAME_LISTS}
         if not set(names["daf"]) <= set(DAF):
             raise StoreError(f"{path}: names unknown amplification factors")
         dims = _dims(file, names["dimensions"])
@@ -194,13 +194,23 @@ def _indices(histories: h5py.Group) -> Iterator[int]:
             yield int(name)
 
 
+def _names(path: str | Path, listed: str | float) -> list[str]:
+    """The names in an attribute that lists them; raises `StoreError` for what would garble a terminal."""
+    names = str(listed).split()
+    if not all(name.isprintable() for name in names):
+        raise StoreError(f"{path}: names a variable by control characters")
+    return names
+
+
 def _dims(file: h5py.Group, names: Sequence[str], shape: tuple[int, ...] | None = None) -> tuple[Dim, ...]:
     """The dimensions of those names, with what moves together along each; or such members, of that shape."""
     found = []
     for v in _variables(file, names):
         values = safe.read_numbers(file, v.name, shape)
+        if not np.isfinite(values).all():
+            raise StoreError(f"{file.file.filename}: /{v.name} holds values that are not finite")
         attributes = {} if shape else safe.read_attributes(safe.child_dataset(file, v.name))
-        members = _dims(file, str(attributes.get("members", "")).split(), values.shape)
+        members = _dims(file, _names(file.file.filename, attributes.get("members", "")), values.shape)
         found.append(Dim(v.name, values, v.units, v.long_name, members))
     return tuple(found)
 
@@ -211,5 +221,6 @@ def _variables(group: h5py.Group | None, names: Sequence[str]) -> tuple[Variable
     for name in names:
         dataset = None if group is None else safe.child_dataset(group, name)
         attributes = {} if dataset is None else safe.read_attributes(dataset)
-        found.append(Variable(name, str(attributes.get("units", "")), str(attributes.get("long_name", name))))
+        units, long_name = (one_line(str(attributes.get(k, ""))) for k in ("units", "long_name"))
+        found.append(Variable(name, units, long_name or name))
     return tuple(found)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
@@ -87,6 +89,23 @@ def test_what_differs_between_two_files(results: Path, tmp_path: Path) -> None:
     differs = tbi("info", str(results), "--diff", "other.h5", folder=tmp_path)
     assert "case bridge.right.damping: 10000.0 and 9000.0" in differs.out
     assert "table peak:" in differs.out
+
+
+def test_a_stranger_s_case_does_no_harm(results: Path, tmp_path: Path) -> None:
+    """Aliases that explode end in a line, and what a terminal would obey is not printed."""
+    path = Path(shutil.copy(results, tmp_path / "theirs.h5"))
+    aliases = (f"a{i}: &a{i} {{x: *a{i - 1}, y: *a{i - 1}}}" for i in range(1, 40))
+    with h5py.File(path, "a") as file:
+        file.attrs["case"] = "\n".join(["a0: &a0 {x: 1, y: 2}", *aliases])
+        file.attrs["title"] = "\x1b[31mred\nhost  elsewhere"
+        file["daf/right"][0, 0] += 1.0
+    differs = tbi("info", str(results), "--diff", "theirs.h5", folder=tmp_path)
+    assert differs.code == 0
+    assert differs.out.startswith(
+        "case: not the same, and not to be compared key by key\ntable daf: 1 channel"
+    )
+    shown = tbi("info", "theirs.h5", folder=tmp_path)
+    assert "title          [31mred host elsewhere\n" in shown.out
 
 
 def test_the_python_interface_is_the_same_path(results: Path, tmp_path: Path) -> None:

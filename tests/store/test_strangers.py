@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from tbi_cli.store import StoreError, open_results
+from tbi_cli.store.compare import changed_keys
 from tests.store.example import batch, content, layout, solve
 
 OF = layout(shape=(2, 3), channels=3, histories=2)
@@ -115,6 +116,8 @@ HARM: dict[str, Callable[[h5py.File], None]] = {
     "no axis": delete("velocity"),
     "an axis of two dimensions": replace_by("velocity", GRID),
     "an axis of another length": replace_by("velocity", np.ones(4)),
+    "an axis of no number": replace_by("velocity", np.array([1.0, np.nan, 3.0])),
+    "an axis that moves the cursor": attribute("dimensions", "\x1b[31mvelocity"),
     "an axis that is claimed": attribute("dimensions", "velocity velocity velocity"),
     "no axes": attribute("dimensions", ""),
     "no table": delete("rms"),
@@ -179,6 +182,32 @@ def test_what_does_no_harm(good: Path, tmp_path: Path) -> None:
         file.attrs["old"] = np.bytes_(b"\xff\x00text")
         file["peak/body_0_y"].attrs["units"] = np.arange(3)
     read_all(path)
+
+
+def test_words_of_a_stranger_move_no_cursor(good: Path, tmp_path: Path) -> None:
+    path = Path(shutil.copy(good, tmp_path / "results.h5"))
+    with h5py.File(path, "a") as file:
+        for name in ("velocity", "peak/body_0_y"):
+            file[name].attrs.update({"units": "\x1b[31mm", "long_name": "a\nb"})
+    with open_results(path) as results:
+        found = (next(dim for dim in results.dims if dim.name == "velocity"), results.channels[0])
+    assert [(one.units, one.long_name) for one in found] == [("[31mm", "a b")] * 2
+
+
+# Each of these stands for 9^30 values, or for an end that Python's stack does not reach.
+EXPLOSIVE = {
+    "aliases": "a0: &a0 [x, x]\n"
+    + "\n".join(f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]" for i in range(1, 30)),
+    "nesting": "[" * 50_000,
+    "no YAML": "a: [1",
+    "code": "a: !!python/object/apply:os.getcwd []",
+}
+
+
+@pytest.mark.parametrize("case", EXPLOSIVE.values(), ids=EXPLOSIVE)
+def test_a_case_that_explodes_is_not_compared(case: str) -> None:
+    assert changed_keys(case, "bridge: {modes: 4}") == "which cannot be compared"
+    assert changed_keys("bridge: {modes: 4}", case) == "which cannot be compared"
 
 
 def test_a_packed_file_is_read(good: Path, tmp_path: Path) -> None:
