@@ -132,21 +132,28 @@ def build_batch(crossers: Sequence[Crosser], table: Sequence[int], history: Sequ
         sum_coef=_by_scenario(signals.coef, pick),
         station=_by_scenario(np.stack([model.stations.ravel() for model in models]), pick),
         low_pass=low_pass_filters(cut_off[pick].T * sampling),
+        mode=_modes(crossers) if forces else np.zeros((0, len(crossers))),
         exact=_one_interval(crossers) if crossers[0].exact else np.zeros((0, len(crossers))),
     )
     last = np.array([c.grid.last for c in crossers], dtype=np.int64)
     return Batch(topology, crossing, crossers[0].grid.substeps, last, rails.cubics)
 
 
+def _modes(crossers: Sequence[Crosser]) -> NDArray[np.float64]:
+    """omega^2 and damping of each mode of the (one) beam and of each scenario."""
+    beams = [c.model.system.beams[0] for c in crossers]
+    rows = [np.stack([beam.omega**2, beam.damping], axis=1).ravel() for beam in beams]
+    return np.stack(rows, axis=1)
+
+
 def _one_interval(crossers: Sequence[Crosser]) -> NDArray[np.float64]:
     """What the exact solution needs to know of each mode of the (one) beam and of each scenario."""
     from tbi_cli.integrator.exact import one_interval
 
-    beams = [c.model.system.beams[0] for c in crossers]
-    stiffness = np.stack([beam.omega**2 for beam in beams], axis=1)
-    damping = np.stack([beam.damping for beam in beams], axis=1)
-    pace = np.array([np.pi * c.velocity / beam.length for c, beam in zip(crossers, beams, strict=True)])
-    found = np.empty((10 * len(stiffness), len(crossers)))
+    modes = _modes(crossers)
+    stiffness, damping = modes[::2].copy(), modes[1::2].copy()
+    pace = np.array([np.pi * c.velocity / c.model.system.length for c in crossers])
+    found = np.empty((8 * len(stiffness), len(crossers)))
     one_interval(stiffness, damping, pace, np.array([c.grid.sampling for c in crossers]), found)
     return found
 

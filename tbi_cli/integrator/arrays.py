@@ -71,7 +71,8 @@ class Crossing(NamedTuple):
     sum_coef: Lanes
     station: Lanes  # per station: x/L; the same, but 2 at the end of the beam
     low_pass: Lanes  # per beam and biquad: b0, b1, b2, a1, a2
-    exact: Lanes  # per mode: E11, E12, E21, E22, a1, a2, b1, b2, omega^2, d of `exact`; none for Runge-Kutta
+    mode: Lanes  # of trains of forces, per mode: omega^2, damping
+    exact: Lanes  # of them, per mode: E11, E12, E21, E22, a1, a2, b1, b2 of `exact`; none for Runge-Kutta
 
 
 class Work(NamedTuple):

@@ -79,18 +79,17 @@ def _turned(s: float, c: float, angle: float) -> Any:
 def one_interval(stiffness: Any, damping: Any, pace: Any, interval: Any, found: Any) -> None:
     """E, a and b of every mode of every scenario, with the stiffness and damping of the mode.
 
-    stiffness, damping (modes, scenarios); pace p and interval h (scenarios); found (10 modes, scenarios):
-    rows E11, E12, E21, E22, a1, a2, b1, b2, omega^2, d of each mode.
+    stiffness, damping (modes, scenarios); pace p and interval h (scenarios); found (8 modes, scenarios):
+    rows E11, E12, E21, E22, a1, a2, b1, b2 of each mode.
     """
     for i in range(stiffness.shape[0]):
         for m in range(stiffness.shape[1]):
             w, d, p, h = stiffness[i, m], damping[i, m], (i + 1) * pace[m], interval[m]
             for column, start in enumerate(((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0))):
                 q, rate = _oscillate(start[0], start[1], 0.0, 0.0, w, d, p, h)
-                found[10 * i + column, m], found[10 * i + 2 + column, m] = q, rate
-            found[10 * i + 4, m], found[10 * i + 5, m] = _oscillate(0.0, 0.0, 1.0, 0.0, w, d, p, h)
-            found[10 * i + 6, m], found[10 * i + 7, m] = _oscillate(0.0, 0.0, 0.0, 1.0, w, d, p, h)
-            found[10 * i + 8, m], found[10 * i + 9, m] = w, d
+                found[8 * i + column, m], found[8 * i + 2 + column, m] = q, rate
+            found[8 * i + 4, m], found[8 * i + 5, m] = _oscillate(0.0, 0.0, 1.0, 0.0, w, d, p, h)
+            found[8 * i + 6, m], found[8 * i + 7, m] = _oscillate(0.0, 0.0, 0.0, 1.0, w, d, p, h)
 
 
 @njit(nogil=True)
@@ -135,7 +134,7 @@ def _start(topology: Any, crossing: Any, work: Any, lane: int, k: int, share: fl
     force = -crossing.wheel[4 * k + 2, lane] * crossing.wheel[4 * k + 3, lane]
     sign = -1.0
     for i in range(n):
-        stiffness, damping = crossing.exact[10 * i + 8, lane], crossing.exact[10 * i + 9, lane]
+        stiffness, damping = crossing.mode[2 * i, lane], crossing.mode[2 * i + 1, lane]
         pace = (i + 1) * pi * crossing.scale[4, lane]
         q, rate = _oscillate(0.0, 0.0, 0.0, 1.0, stiffness, damping, pace, share * h)
         size = -sign * force if leaves else force
@@ -163,10 +162,10 @@ def advance_exactly(topology: Topology, crossing: Crossing, work: Work, samples:
             q, rate = load(work.state, i), load(work.state, n + i)
             store(work.signal, i, q)
             store(work.signal, n + i, rate)
-            pull = fma(load(crossing.exact, 10 * i + 8), q, load(crossing.exact, 10 * i + 9) * rate)
+            pull = fma(load(crossing.mode, 2 * i), q, load(crossing.mode, 2 * i + 1) * rate)
             store(work.signal, 2 * n + i, S - pull)
             for row in range(2):
-                base = 10 * i
+                base = 8 * i
                 total = fma(load(crossing.exact, base + 2 * row), q, load(work.force, (2 + row) * n + i))
                 total = fma(load(crossing.exact, base + 2 * row + 1), rate, total)
                 total = fma(load(crossing.exact, base + 4 + row), S, total)

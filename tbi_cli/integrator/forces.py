@@ -13,7 +13,7 @@ from typing import Any
 from numba import njit
 
 from tbi_cli.integrator.arrays import Crossing, Topology, Work
-from tbi_cli.integrator.kernel import end_step, free_accelerations, next_stage, record
+from tbi_cli.integrator.kernel import record
 from tbi_cli.integrator.lanes import LANES, any_lane, at_least, flush_subnormals, fma, load, splat, store
 from tbi_cli.integrator.sampling import take_sample
 from tbi_cli.integrator.shapes import axles_on, multiples, sin_cos_pi
@@ -32,14 +32,12 @@ def waves(topology: Any, crossing: Any, work: Any, j: Any, slot: int) -> None:
 
 
 @njit(forceinline=True)
-def _push(topology: Any, work: Any, instant: int, slot: int, out: int) -> None:
-    """Adds the forces at an instant of the step to the accelerations of the modes."""
+def _push(topology: Any, work: Any, i: int, instant: int, slot: int) -> Any:
+    """What the forces add to the acceleration of mode i at an instant of the step."""
     n = topology.n_modes
-    for i in range(n):
-        s, c = load(work.sine, slot * n + i), load(work.cosine, slot * n + i)
-        more = load(work.force, (_EXTRA + instant) * n + i)
-        force = fma(load(work.force, i), s, fma(load(work.force, n + i), c, more))
-        store(work.signal, out + i, load(work.signal, out + i) + force)
+    s, c = load(work.sine, slot * n + i), load(work.cosine, slot * n + i)
+    more = load(work.force, (_EXTRA + instant) * n + i)
+    return fma(load(work.force, i), s, fma(load(work.force, n + i), c, more))
 
 
 @njit(forceinline=True)
@@ -123,18 +121,39 @@ def _enter_or_leave(topology: Any, crossing: Any, work: Any, lane: int, k: int, 
             work.force[(_EXTRA + 2) * n + i, lane] += force * sin(wave * (j + 1 - entry) * pace)
 
 
+@njit(forceinline=True)
+def _step(topology: Any, crossing: Any, work: Any, i: int, start: int, keep: bool) -> None:
+    """A Runge-Kutta step of mode i, which no other feels; keeps its motion at the start if wanted."""
+    n = topology.n_modes
+    h, half = load(crossing.scale, 0), load(crossing.scale, 1)
+    sixth, square_sixth = load(crossing.scale, 2), load(crossing.scale, 3)
+    stiffness, damping = load(crossing.mode, 2 * i), load(crossing.mode, 2 * i + 1)
+    x, v = load(work.state, i), load(work.state, n + i)
+    first, middle = _push(topology, work, i, 0, start), _push(topology, work, i, 1, 1)
+    last = _push(topology, work, i, 2, 2 - start)
+    a1 = fma(-damping, v, fma(-stiffness, x, first))
+    if keep:
+        store(work.signal, i, x)
+        store(work.signal, n + i, v)
+        store(work.signal, 2 * n + i, a1)
+    x2, v2 = fma(half, v, x), fma(half, a1, v)
+    a2 = fma(-damping, v2, fma(-stiffness, x2, middle))
+    x3, v3 = fma(half, v2, x), fma(half, a2, v)
+    a3 = fma(-damping, v3, fma(-stiffness, x3, middle))
+    x4, v4 = fma(h, v3, x), fma(h, a3, v)
+    a4 = fma(-damping, v4, fma(-stiffness, x4, last))
+    inner = a2 + a3
+    store(work.state, i, fma(square_sixth, a1 + inner, fma(h, v, x)))
+    store(work.state, n + i, fma(sixth, (a1 + a4) + (inner + inner), v))
+
+
 @njit(nogil=True, cache=True)
 def advance_forces(
     topology: Topology, crossing: Crossing, work: Work, samples: int, substeps: int, history: Any
 ) -> None:
     """What `tbi_cli.integrator.kernel.advance` does, for trains of constant forces on one beam."""
     flush_subnormals(True)
-    nd, later = topology.term_begin.size, topology.stage_row
-    h, half = load(crossing.scale, 0), load(crossing.scale, 1)
-    sixth, square_sixth = load(crossing.scale, 2), load(crossing.scale, 3)
     j = load(work.step, 0)
-    for i in range(2 * nd):
-        store(work.signal, i, load(work.state, i))
     waves(topology, crossing, work, j, 0)
     # The waves at the start of a step lie in slot 0 or 2, those at its end, which are those at the start of
     # the next, in the other one.
@@ -147,18 +166,11 @@ def advance_forces(
                 _change_forces(topology, crossing, work)
             waves(topology, crossing, work, j + splat(0.5), 1)
             waves(topology, crossing, work, j + splat(1.0), 2 - start)
-            for stage in range(4):
-                out = 2 * nd if stage == 0 else later + (stage - 1) * nd
-                instant = (stage + 1) // 2
-                free_accelerations(topology, crossing, work, out)
-                slot = start if instant == 0 else 1 if instant == 1 else 2 - start
-                _push(topology, work, instant, slot, out)
-                if stage == 0 and substep == 0:
-                    take_sample(topology, crossing, work, j)
-                    record(topology, work, history, sample)
-                if stage < 3:
-                    next_stage(work, nd, out, half if stage < 2 else h)
-            end_step(work, nd, later, h, sixth, square_sixth)
+            for i in range(topology.n_modes):
+                _step(topology, crossing, work, i, start, substep == 0)
+            if substep == 0:
+                take_sample(topology, crossing, work, j)
+                record(topology, work, history, sample)
             start = 2 - start
             j = j + splat(1.0)
     store(work.step, 0, j)
