@@ -38,7 +38,7 @@ def station_channels(system: System) -> list[Channel]:
     Moment and shear are those of the forces that act on the beam: the wheels' by the influence lines of the
     beam at rest, inertia and damping by its modes.  So no more is lost with the modes left out than their
     inertia, and the shear force jumps under a wheel.  A sagging moment is positive, and so is a shear force
-    that pushes up what lies behind.
+    with which the beam before the station pushes up the beam behind it.
     """
     made: list[Channel] = []
     nv, n, count = len(system.coordinates), len(system.beams[0].omega), len(system.stations)

@@ -58,8 +58,8 @@ def test_a_train_of_one_car_has_the_bits_of_the_car(contact: str) -> None:
 def test_cars_of_two_kinds_against_an_independent_solution(convective: str) -> None:
     """Three cars at a speed at which axles enter and leave inside steps: limits as for one car's peaks.
 
-    With the convective term a damper's force jumps there, and a bogie's pitch is wrong by 2e-4 at steps of 1 ms,
-    less by the square of the step: hence 8 of them.
+    With the convective term a damper's force jumps there: a bogie's pitch is wrong by 2e-4 at steps of 1 ms,
+    less by the square of the step, hence 8 of them.
     """
     case = paper(
         *train(OTHER % 2, "velocity=77.7", "solver={sampling: 1e-3, substeps: 8, duration: 1}"),
@@ -126,7 +126,7 @@ def test_the_number_of_coaches_as_an_axis() -> None:
 
 def _counts(coaches: int) -> tuple[int, int, int, int]:
     """Terms of A, different numbers among them, terms of the wheels' rows and axles of a train."""
-    text = "{consist: [{vehicle: trains/paper.yaml, count: %d, spacing: 25 m}]}" % coaches
+    text = f"{{consist: [{{vehicle: trains/paper.yaml, count: {coaches}, spacing: 25 m}}]}}"
     crosser = Solver(paper(*train(text))).scenarios.crosser(0)
     batch = build_batch([crosser], (), ())
     axles, different = len(batch.topology.axle_wheel_begin), len(batch.crossing.term)
@@ -134,7 +134,7 @@ def _counts(coaches: int) -> tuple[int, int, int, int]:
 
 
 def test_cost_grows_with_the_number_of_coaches() -> None:
-    """What a step goes through: so many times one car's terms, but for those of the beams, which come once."""
+    """What a step goes through: so many times one car's terms, and those of the beams once."""
     beams = 2 * 2 * 4
     one, sixteen = _counts(1), _counts(16)
     assert sixteen[0] - beams == 16 * (one[0] - beams)
@@ -198,7 +198,7 @@ def test_the_shipped_trains(name: str, lengths: list[float]) -> None:
 
 
 def test_a_train_far_from_resonance_is_no_more_than_its_cars(tmp_path: Path) -> None:
-    """A car that enters when the bridge has come to rest again, exp(-0.3 * 5.7 * 9), has what the first had."""
+    """A car that enters when the bridge has come to rest again, exp(-0.3 * 5.7 * 9), is like the first."""
     text = "{consist: [{vehicle: trains/paper.yaml, count: 2, spacing: 500 m}]}"
     damped = [f"bridge.{side}.damping={{ratio: 30 %}}" for side in ("right", "left")]
     found = tables(paper(*train(text, EACH, "velocity=50", "solver.duration=1", *damped)))["peak"]
