@@ -114,7 +114,7 @@ def sweep_contradictions(case: Case, axes: tuple[Axis, ...]) -> Iterator[Finding
     if farthest > min(spans or [case.bridge.length]):
         span, got = plain_number(min(spans or [case.bridge.length])), plain_number(farthest)
         yield "bridge.stations", f"expected positions on the span of {span} m, got {got} m"
-    if isinstance(case.train, FullTrain | Consist):
+    if isinstance(case.train, FullTrain | Consist | MovingLoad):
         yield from _geometry_contradictions(case, axes)
     if case.track is not None:
         yield from _track_contradictions(case, axes)
@@ -132,7 +132,7 @@ def _is_multiple(every: float, sampling: float) -> bool:
 
 
 def _geometry_contradictions(case: Case, axes: tuple[Axis, ...]) -> Iterator[Finding]:
-    """The arms of the train over the corners of the swept distances, on which they depend linearly.
+    """Arms, spacings and positions over the corners of the swept distances, on which they depend linearly.
 
     Axes that move together are tried value by value; where these are too many, a train whose arms do not go
     together is found when its own case is built, and fails alone.
@@ -141,7 +141,10 @@ def _geometry_contradictions(case: Case, axes: tuple[Axis, ...]) -> Iterator[Fin
         groups = point.train.consist if isinstance(point.train, Consist) else ()
         try:
             for vehicle in (point.train, *(group.vehicle for group in groups)):
-                _ = vehicle.geometry.arms if isinstance(vehicle, FullTrain) else None
+                if isinstance(vehicle, FullTrain):
+                    _ = vehicle.geometry.arms
+                elif isinstance(vehicle, MovingLoad):
+                    vehicle.check()
             for group in groups:
                 group.check()
         except BadValueError as error:

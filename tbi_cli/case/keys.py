@@ -69,6 +69,8 @@ def find_number(path: str, case: Any, train_model: str | None) -> tuple[Numeric,
     leaf: Accepts | None = None
     listed = False
     for depth, word in enumerate(words):
+        if listed and isinstance(case, list) and word.isdigit() and not _indexes(case, word):
+            raise UnknownKeyError(_no_such_place(words[:depth], word, len(case)))
         case = case.get(word) if isinstance(case, dict) else case[int(word)] if _indexes(case, word) else None
         if listed and word.isdigit():
             chain.append(int(word))
@@ -96,6 +98,11 @@ def find_number(path: str, case: Any, train_model: str | None) -> tuple[Numeric,
 
 def _indexes(case: Any, word: str) -> bool:
     return isinstance(case, list) and word.isdigit() and len(word) < 6 and int(word) < len(case)
+
+
+def _no_such_place(before: list[str], word: str, count: int) -> str:
+    there = f"0 to {count - 1}" if count > 1 else "0 alone" if count else "none"
+    return f"{'.'.join(before)} has no {word}; counted from 0, there is {there}"
 
 
 def _no_such_key(before: list[str], word: str, train_model: str | None) -> str:

@@ -7,7 +7,17 @@ from typing import Annotated, Literal
 
 from pydantic import model_validator
 
-from tbi_cli.case.fields import DAMPING, FORCE, INERTIA, LENGTH, MASS, STIFFNESS, Quantity, rejected
+from tbi_cli.case.fields import (
+    DAMPING,
+    FORCE,
+    INERTIA,
+    LENGTH,
+    MASS,
+    STIFFNESS,
+    BadValueError,
+    Quantity,
+    rejected,
+)
 from tbi_cli.case.messages import plain_number
 from tbi_cli.case.part import Part
 
@@ -57,8 +67,8 @@ class MovingLoad(Part):
     forces: tuple[Annotated[float, FORCE_OF_AXLE], ...]
     positions: tuple[Annotated[float, POSITION_OF_AXLE], ...] = (0.0,)
 
-    @model_validator(mode="after")
-    def _consistent(self) -> MovingLoad:
+    def check(self) -> None:
+        """Raises BadValueError where forces and positions do not go together."""
         problem = ""
         if not self.forces:
             problem = "expected at least one force"
@@ -73,5 +83,12 @@ class MovingLoad(Part):
         elif any(b < a for a, b in pairwise(self.positions)):
             problem = "expected positions in rising order"
         if problem:
-            raise rejected(problem)
+            raise BadValueError(problem)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> MovingLoad:
+        try:
+            self.check()
+        except BadValueError as error:
+            raise rejected(str(error)) from None
         return self

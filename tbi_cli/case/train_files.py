@@ -44,15 +44,20 @@ def _complete(vehicle: Mapping, key: str) -> list[Problem]:
 def _read_csv(train: Mapping, key: str) -> list[Problem]:
     """Replaces `csv` by the `positions` and `forces` in that file, each value with its place there."""
     entry = train.entries.get("csv")
-    if entry is None or not isinstance(entry.value, Scalar) or not isinstance(entry.value.value, str):
+    if entry is None or not isinstance(entry.value, Scalar):
         return []
     named = entry.value
+    # Reported once: a single force stands in for what could not be read.
+    here = (named.source, named.line, named.column, 1, 1)
+    positions, forces = (Items(*here, items=[Scalar(*here, value=value)]) for value in (0.0, 1.0))
     both = [name for name in ("positions", "forces") if name in train.entries]
-    if both:
+    if both or not isinstance(named.value, str):
+        train.put("positions", positions)
+        train.put("forces", forces)
         text = f"expected either csv, or positions and forces, got csv and {' and '.join(both)}"
-        return [Problem(entry_place(entry), f"{key}.csv", text)]
+        return [Problem(entry_place(entry), f"{key}.csv", text)] if both else []
     del train.entries["csv"]
-    path = named.source.folder / str(named.value)
+    path = named.source.folder / named.value
     problems: list[Problem] = []
     try:
         positions, forces = _columns(read_source(path, str(path)))
@@ -60,9 +65,6 @@ def _read_csv(train: Mapping, key: str) -> list[Problem]:
         first = error.problems[0]
         text = f"{first.key}: {first.text}".removeprefix(": ")
         problems = [first if first.place else Problem(entry_place(entry), f"{key}.csv", text)]
-        # Reported once: a single force stands in for what could not be read.
-        here = (named.source, named.line, named.column, 1, 1)
-        positions, forces = (Items(*here, items=[Scalar(*here, value=value)]) for value in (0.0, 1.0))
     train.put("positions", positions)
     train.put("forces", forces)
     return problems
