@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tbi_cli.case import Case
 from tbi_cli.resources import available_cpus
@@ -13,6 +14,8 @@ from tbi_cli.studies import solver_of
 
 # Seconds of one processor for one step of one coordinate, side by side with others: an order of magnitude.
 _SECONDS_PER_STEP = 2.5e-7
+# So many scenarios are looked at, or so many models built, in about a second; of more, some speak for all.
+_MOST_SCENARIOS, _MOST_MODELS = 20_000, 200
 
 
 def estimate(case: Case) -> list[str]:
@@ -22,12 +25,14 @@ def estimate(case: Case) -> list[str]:
     layouts = [results_layout(part, {}) for part in parts.values()]
     check_memory(layouts)
     scenarios = sum(layout.size for layout in layouts)
-    plan = plan_of(solver, np.ones(scenarios, dtype=bool))
-    steps = int(plan.steps.sum())
+    weights = np.concatenate([_weights(part, len(parts)) for part in parts.values()])
+    plan = plan_of(solver, weights > 0)
+    steps, histories = (round(float(counts @ weights)) for counts in (plan.steps, plan.sizes))
+    about = "about " if np.any(weights > 1) else ""
     tables = sum(
         8 * layout.size * (len(TABLES) * len(layout.channels) + len(layout.daf) + 1) for layout in layouts
     )
-    histories = any(layout.history_channels for layout in layouts)
+    stored = any(layout.history_channels for layout in layouts)
     cpus = available_cpus()
     lines = [f"title      {case.title}"] if case.title else []
     for name, part in parts.items():
@@ -36,11 +41,31 @@ def estimate(case: Case) -> list[str]:
     return [
         *lines,
         f"scenarios  {scenarios}",
-        f"steps      {steps:,}",
+        f"steps      {about}{float(f'{steps:.3g}') if about else steps:,.0f}",
         f"tables     {_bytes(tables)}",
-        f"histories  {_bytes(int(plan.sizes.sum())) if histories else 'none'}",
+        f"histories  {about + _bytes(histories) if stored else 'none'}",
         f"time       about {_time(steps * _SECONDS_PER_STEP / cpus)} on {cpus} CPU{'s' if cpus > 1 else ''}",
     ]
+
+
+def _weights(solver: Solver, of: int) -> NDArray[np.float64]:
+    """How many scenarios each scenario of a grid stands for: 1, or of a large grid 0 or a few, drawn by lot.
+
+    of: how many grids there are besides, which share the time.
+    """
+    scenarios = solver.scenarios
+    count = len(scenarios)
+    most = _MOST_SCENARIOS if scenarios.model_count * of <= _MOST_MODELS else _MOST_MODELS
+    wanted = max(most // of, 1)
+    if count <= wanted:
+        return np.ones(count)
+    # One in each stretch of as many, the first and the last among them.
+    ends = np.linspace(0, count, wanted + 1)
+    draws = np.random.default_rng(0).uniform(ends[:-1], ends[1:]).astype(np.int64)
+    draws[0], draws[-1] = 0, count - 1
+    weights = np.zeros(count)
+    np.add.at(weights, draws, count / wanted)
+    return weights
 
 
 def _described(solver: Solver) -> list[str]:

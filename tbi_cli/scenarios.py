@@ -59,6 +59,11 @@ class Scenarios:
     def __len__(self) -> int:
         return math.prod(self.shape)
 
+    @property
+    def model_count(self) -> int:
+        """How many models the grid has, no two of its values taken to give the same one."""
+        return math.prod(self.shape[k] for k in self._model_axes)
+
     def values(self, index: int) -> tuple[float, ...]:
         """The axis values of a scenario, in the order of the axes."""
         place = np.unravel_index(index, self.shape) if self.shape else ()

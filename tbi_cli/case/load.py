@@ -14,6 +14,7 @@ from tbi_cli.case.keys import accepts, fields_of, is_list, part_of
 from tbi_cli.case.messages import CaseError, Place, Problem, fail, in_order, quoted, suggestion
 from tbi_cli.case.model import Case, union
 from tbi_cli.case.part import Part
+from tbi_cli.case.ranges import MAX_VALUES
 from tbi_cli.case.studies import STUDIES, studies_in, told_once
 from tbi_cli.case.sweep import Sweep, missing_but_swept
 from tbi_cli.case.track_file import resolve_track
@@ -49,7 +50,7 @@ def load_case(
     document.problems += resolve_track(document.root)
     if extra_axis is not None:
         document.add_axis(extra_axis)
-    return _validated(document, strict)
+    return _validated(document, Sweep(document.root), strict)
 
 
 def _with_studies(document: Document, extra_axis: ExtraAxis | None, strict: bool) -> Case:
@@ -58,12 +59,15 @@ def _with_studies(document: Document, extra_axis: ExtraAxis | None, strict: bool
         raise fail(f"sweep {extra_axis.name}", "the studies of this case have their own sweeps")
     studies: dict[str, Case] = {}
     found: dict[str, tuple[Problem, ...]] = {}
+    most = MAX_VALUES
     for name, study in studies_in(document):
         for key in ("train", "bridge"):
             study.include(key)
         study.problems += resolve_track(study.root)
         try:
-            studies[name] = _validated(study, strict)
+            sweep = Sweep(study.root, most)
+            most -= sweep.size
+            studies[name] = _validated(study, sweep, strict)
         except CaseError as error:
             found[name] = error.problems
     problems = [*document.problems, *told_once(found, len(studies) + len(found))]
@@ -72,10 +76,8 @@ def _with_studies(document: Document, extra_axis: ExtraAxis | None, strict: bool
     return union(studies, plain(document.root).get("title", ""))
 
 
-def _validated(document: Document, strict: bool) -> Case:
-    root = document.root
-    sweep = Sweep(root)
-    axes = sweep.axes
+def _validated(document: Document, sweep: Sweep, strict: bool) -> Case:
+    root, axes = document.root, sweep.axes
     for path, value in missing_but_swept(axes):
         _set_if_missing(root, path, value)
     values = {key: value for key, value in plain(root).items() if key != "sweep"}

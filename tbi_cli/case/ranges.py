@@ -193,7 +193,8 @@ class Range:
         return count
 
     def _too_many(self, count: float) -> str:
-        return f"expected at most {MAX_VALUES} values in all axes together, got {count:.7g}"
+        before = f" after the {MAX_VALUES - self.most} before" if self.most < MAX_VALUES else ""
+        return f"expected at most {MAX_VALUES} values in all axes together, got {count:.7g}{before}"
 
     def _checked(self, values: tuple[float, ...], where: Place, key: str) -> tuple[float, ...]:
         """Values that follow from others: all different, and whole where the key wants whole numbers."""

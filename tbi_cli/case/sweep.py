@@ -19,9 +19,14 @@ ZIP, SAMPLE = "zip", "sample"
 
 
 class Sweep:
-    """Reads the axes under `sweep:`; afterwards `axes` and `problems` are what there is to know."""
+    """Reads the axes under `sweep:`, of at most `most` values together.
 
-    def __init__(self, root: Mapping) -> None:
+    Afterwards `axes` and `problems` are what there is to know, and `size` is how many values there are.
+    """
+
+    def __init__(self, root: Mapping, most: int = MAX_VALUES) -> None:
+        self._most = most
+        self.size = 0
         self.axes: tuple[Axis, ...] = ()
         self.problems: list[Problem] = []
         self._case = plain(
@@ -45,12 +50,13 @@ class Sweep:
         for key, axis_entry in sweep.entries.items():
             if key == ZIP:
                 continue
-            most = MAX_VALUES - sum(len(axis) * max(len(axis.members), 1) for axis in axes)
+            most = self._most - self.size
             try:
                 if key == SAMPLE:
                     axis = read_sample(axis_entry, self.number_at, most)
                 else:
                     axis = self.axis(key, axis_entry, most, repeats=key in zipped)
+                self.size += len(axis) * max(len(axis.members), 1)
                 clash = next((a for a in axes if set(a.paths) & set(axis.paths) or a.name == axis.name), None)
                 if clash:
                     text = f"sets the same key as the axis {clash.key}"

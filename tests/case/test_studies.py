@@ -97,6 +97,16 @@ def test_no_studies_at_all(says: Says) -> None:
     )
 
 
+def test_the_axes_of_all_studies_together_are_bounded(says: Says) -> None:
+    axis = "{sweep: {velocity: {from: 1, to: 99, count: 400000}}}"
+    told = says(f"{CASE}studies:\n  a: {axis}\n  b: {axis}\n").splitlines()
+    assert told[0] == (
+        "case.yaml:14:43: studies.b.sweep.velocity.count: expected at most 500000 values in all axes together, "
+        "got 400000 after the 400000 before"
+    )
+    assert len(told) == 3
+
+
 def test_a_sweep_on_the_command_line_is_refused(says: Says) -> None:
     assert (
         says(STUDIES, extra_axis=ExtraAxis("velocity"))

@@ -260,7 +260,7 @@ def test_a_force_of_a_moving_load_can_be_swept(loads: Loads) -> None:
         ),
         (
             "velocity: {from: 1, to: 9, count: 400000}\n  span: {from: 30, to: 60, count: 200000}",
-            "case.yaml:14:28: sweep.span.count: expected at most 500000 values in all axes together, got 200000",
+            "case.yaml:14:28: sweep.span.count: expected at most 500000 values in all axes together, got 200000 after the 400000 before",
         ),
     ],
 )
