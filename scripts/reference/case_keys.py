@@ -49,6 +49,11 @@ The values of an axis:
 | `{{from: 2, to: 200, step: 0.5}}` | from the first by steps, the last one included if it lies on the grid |
 | `{{from: 30, to: 60, count: 4}}` | so many, at equal distances |
 | `{{log: {{from: 1, to: 100, count: 5}}}}` | so many, at equal ratios |
+| `{{from: 40, to: 120, step: 4, refine: resonance}}` | `velocity` only: by steps, and more near resonance |
+
+A refined velocity also takes `tolerance` (1 %), by how much a peak may still change, and `channels`, those
+of the tables that decide (deflection and acceleration of the bridge at mid-span):
+[how speeds are added](../TRAINS.md#speeds-that-a-sweep-finds-itself).
 
 Two more keys do not name an axis:
 

@@ -15,6 +15,12 @@ one variable per channel over the swept axes; `histories` may hold a channel ove
 histories only. Modal coordinates are for histories only. Signs and axes are those of the
 [conventions](../conventions.md).
 """
+_STATIONS = """
+## With `bridge.stations` and `bridge.low_pass`
+
+Of each beam and station, here the first one at 5 m; see [the bridge's own quantities](../BRIDGE-OUTPUTS.md).
+
+"""
 _CONSIST = """
 ## Trains of several vehicles
 
@@ -44,7 +50,9 @@ def page() -> str:
             found = [channel for channel in found if channel.name not in full]
         full = full or {channel.name for channel in found}
         text += f"\n## {heading}\n\n{table(['name', 'unit', 'what', 'derivatives', 'in'], _rows(found))}"
-    return text + _CONSIST
+    along = _channels("paper", ("bridge.stations=[5]", "bridge.low_pass=en-1990"))
+    along = [channel for channel in along if channel.name not in full and "right" in channel.name]
+    return f"{text}{_STATIONS}{table(['name', 'unit', 'what', 'derivatives', 'in'], _rows(along))}{_CONSIST}"
 
 
 def _channels(name: str, overrides: tuple[str, ...]) -> list[Channel]:

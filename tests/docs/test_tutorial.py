@@ -19,6 +19,6 @@ def test_every_command_of_the_tutorial(tmp_path: Path) -> None:
     assert all((folder / f"{name}.h5").is_file() for name in ("results", "one", "lighter", "spans"))
 
 
-@pytest.mark.parametrize("name", ["train", "bridge", "sweep", "slurm", "notebook"])
+@pytest.mark.parametrize("name", ["train", "bridge", "sweep", "fast-train", "slurm", "notebook"])
 def test_every_command_of_a_how_to_page(name: str, tmp_path: Path) -> None:
     follow(DOCS / "how-to" / f"{name}.md", tmp_path)
