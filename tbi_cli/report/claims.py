@@ -31,10 +31,11 @@ class Entry:
 
     @property
     def difference(self) -> float | None:
-        """Ours less the paper's."""
-        if isinstance(self.ours, float) and isinstance(self.paper, float):
-            return self.ours - self.paper
-        return None
+        """Ours less the paper's; what is only rounding of the last bits is none."""
+        if not isinstance(self.ours, float) or not isinstance(self.paper, float):
+            return None
+        away = self.ours - self.paper
+        return 0.0 if abs(away) < 1e-12 * abs(self.paper) else away
 
     @property
     def percent(self) -> float | None:

@@ -19,7 +19,7 @@ from tbi_cli.store import StoreError
 # Of all pictures and all plots on a page, in bytes; plotly.js itself takes 4.8 MB of the 10 MB.
 _PICTURES, _PLOTS = 3_400_000, 1_300_000
 _MOST_ROWS = 60  # of a table that stands open on the page
-_WIDE = 40  # characters: longer texts in a table are wrapped
+_WIDE = 24  # characters: longer texts in a table are wrapped
 _LEFT_OUT = "Left out of this page for its size; the files beside it have it."
 
 
@@ -49,7 +49,7 @@ def page(contents: Contents) -> str:
         ("summary", "Summary", _summary(contents)),
         ("figures", "Figures", _figures(contents.figures)),
         ("tables", "Tables", "".join(_listed(table) for table in contents.tables)),
-        ("claims", "The paper's numbers", _table(contents.claims) if contents.claims else ""),
+        ("claims", "The paper's numbers", _claims(contents.claims) if contents.claims else ""),
         ("extremes", "Extremes", "".join(_folded(table) for table in contents.extremes)),
         ("cases", "Cases and provenance", "".join(_study(study) for study in contents.studies)),
     ]
@@ -127,6 +127,19 @@ def _table(table: Table) -> str:
 
 def _listed(table: Table) -> str:
     return _table(table) if len(table.rows) <= _MOST_ROWS else _folded(table)
+
+
+def _claims(table: Table) -> str:
+    """The paper's numbers, then its statements; their keys and columns with nothing in them are left out."""
+    paper = table.columns.index("paper")
+    grids = []
+    for stated in (False, True):
+        rows = [row for row in table.rows if isinstance(row[paper], str) is stated]
+        filled = [any(row[k] not in (None, "") for row in rows) for k in range(len(table.columns))]
+        used = [k for k, name in enumerate(table.columns) if filled[k] and name != "id"]
+        if rows:
+            grids.append(_grid([table.columns[k] for k in used], [[row[k] for k in used] for row in rows]))
+    return f'<h3>{escape(table.heading)}</h3>{"".join(grids)}<p class="note">{escape(table.note)}</p>'
 
 
 def _folded(table: Table) -> str:

@@ -119,6 +119,10 @@ def test_the_page_works_in_a_browser(opened: Opened, page_file: Path) -> None:
     after = page.evaluate("document.querySelector('#fig19 .plot').layout.xaxis.range")
     assert after[1] - after[0] < before[1] - before[0]
 
+    # The comparison with the paper is in sight to its last column.
+    for grid in page.locator("#claims ~ .scroll").all()[:2]:
+        assert grid.evaluate("grid => grid.scrollWidth <= grid.clientWidth")
+
     assert complaints == []
     assert fetched == [page_file.as_uri()]
 
