@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _PROVENANCE = (
     *("title", "command", "created", "host", "tbi_version", "numpy_version", "numba_version", "h5py_version"),
-    *("case_sha256", "git_revision", "shard", "slurm_job_id"),
+    *("case_sha256", "git_revision", "shard", "slurm_job_id", "slurm_array_task_id"),
 )
 
 

@@ -47,7 +47,10 @@ def print_summary(summary: Summary, *, every_channel: bool = False) -> None:
         + (f" ({summary.before} of them before)" if summary.before else "")
         + (f"; {summary.seconds:.2f} s, {rate / 1e6:.2f} million steps a second" if summary.steps else "")
     )
-    print(f"results: {summary.path}")
+    failed = (
+        f"; {summary.failed} scenario{'s' if summary.failed != 1 else ''} failed" if summary.failed else ""
+    )
+    print(f"results: {summary.path}{failed}")
 
 
 def extremes(results: Results, *, every_channel: bool) -> list[str]:

@@ -16,9 +16,10 @@ from tbi_cli.shards import Shard
 from tests.cli.commands import Ended
 from tests.cluster.runs import CASE, ENDLESS, SCENARIOS, SLOW, content, inside, parts
 from tests.cluster.slurm_here import SlurmHere
+from tests.cluster.test_studies import STUDIES
 
 pytestmark = pytest.mark.slurm
-SECONDS = 120.0
+SECONDS = 300.0
 
 
 def jobs(folder: Path) -> dict[str, str]:
@@ -28,7 +29,7 @@ def jobs(folder: Path) -> dict[str, str]:
 
 
 def wait_until(true: Callable[[], object]) -> None:
-    """Waits until something is true; fails after two minutes."""
+    """Waits until something is true; fails after five minutes."""
     end = time.monotonic() + SECONDS
     while not true():
         assert time.monotonic() < end
@@ -94,6 +95,18 @@ def test_an_array_of_shards(tmp_path: Path, slurm: SlurmHere, whole: Mapping[str
     assert "1 of 3 shards" in ended.out
     slurm.wait_for(*jobs(folder).values(), seconds=SECONDS)
     assert content(folder / "results.h5") == whole
+
+
+def test_an_array_of_studies(tmp_path: Path, slurm: SlurmHere) -> None:
+    """Several grids, one of them refined, in every task."""
+    (tmp_path / "case.yaml").write_text(STUDIES)
+    assert inside("run", "case.yaml", "-o", "whole.h5", "-q", folder=tmp_path).code == 0
+    ended = submit(tmp_path, slurm, "--shards", "3")
+    assert ended.code == 0, ended.err
+    slurm.wait_for(*jobs(tmp_path).values(), seconds=SECONDS)
+    assert content(tmp_path / "results.h5") == content(tmp_path / "whole.h5")
+    ended = submit(tmp_path, slurm, "--resume")
+    assert (ended.code, ended.out) == (0, f"nothing is left to do: {tmp_path / 'results.h5'}\n")
 
 
 def test_signalled_requeued_and_resumed(

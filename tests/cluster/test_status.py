@@ -17,7 +17,7 @@ from tbi_cli.runner import Options, run
 from tbi_cli.shards import Shard
 from tests.cluster.runs import ENDLESS, SCENARIOS, inside, parts, start
 
-SECONDS = 60.0
+SECONDS = 300.0
 
 
 def test_before_while_and_after(folder: Path) -> None:

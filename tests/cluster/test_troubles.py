@@ -16,7 +16,7 @@ import pytest
 from tests.cli.commands import everything_below
 from tests.cluster.runs import ENDLESS, command, content, inside, parts, start
 
-SECONDS = 60.0
+SECONDS = 300.0
 
 
 def limited(folder: Path, kilobytes: int, *arguments: str) -> subprocess.CompletedProcess[str]:
