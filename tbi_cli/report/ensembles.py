@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tbi_cli.report import words
+from tbi_cli.report import marks, words
 from tbi_cli.report.generic_figures import groups
 from tbi_cli.report.panels import axis_of
 from tbi_cli.report.paper_figures import held_at, mark_words
@@ -108,7 +108,8 @@ def _panel(
     if x is not None:
         values = study.along(table, channel, [seeds, x], place)
         panel = Statistics.of(values).panel(title, axis_of(x), x.values, y)
-        return panel if np.isfinite(panel.curves[0].y).any() else None
+        known = np.isfinite(panel.curves[0].y).any()
+        return _marked(study, panel, x, table, channel, place) if known else None
     values = np.sort(study.along(table, channel, [seeds], place))
     values = values[np.isfinite(values)]
     if not len(values) or not np.ptp(values) > 0:
@@ -118,6 +119,19 @@ def _panel(
     curve = Curve("realisations", values, share, 0)
     shares = Axis("share of the realisations below", "1")
     return Panel(title, y, shares, (curve,), marks=(Mark("mean", ((mean, ""),)),), from_zero=True)
+
+
+def _marked(
+    study: Study, panel: Panel, x: StudyAxis, table: str, channel: str, place: Mapping[str, int]
+) -> Panel:
+    """The panel with critical velocities and comfort limits, as a study without seeds has them."""
+    case = study.case_at(place) if x.paths == frozenset({"velocity"}) else None
+    lines = marks.critical(case, marks.side_of([channel])) if case else []
+    return replace(
+        panel,
+        marks=marks.within(lines, float(x.values.min()), float(x.values.max())),
+        limits=marks.limits([channel]) if table in ("peak", "max", "rms") else (),
+    )
 
 
 def _in_time(study: Study, seeds: StudyAxis, wishes: Wishes, select: Mapping[str, int]) -> Iterator[Plot]:
@@ -138,6 +152,7 @@ def _in_time(study: Study, seeds: StudyAxis, wishes: Wishes, select: Mapping[str
         values = np.array([history.values[0] for history in found])
         y = Axis(words.quantity_of(variable), variable.units)
         panel = Statistics.of(values).panel(words.full_name(variable), TIME, found[0].time, y)
+        panel = replace(panel, limits=marks.limits([channel]))
         yield _plot(study, seeds, None, f"ensemble-time-{channel}", [("history", channel)], [panel], select)
 
 

@@ -77,6 +77,17 @@ def test_bands_over_velocity_are_those_of_the_tables(study: Study, file: Path) -
         assert narrow.high - narrow.low == pytest.approx(2 * sigma, rel=1e-10)
 
 
+def test_an_ensemble_over_velocity_has_the_marks_of_any_sweep(study: Study) -> None:
+    (vertical, _) = panels(named(study, "acceleration"))
+    assert [limit.value for limit in vertical.limits] == [0.37, 0.49]
+    # Table 2 of the paper: 72.3 m/s for the right beam, 74.9 m/s for the left; 60 to 90 m/s are drawn.
+    assert [(mark.label, [round(v, 1) for v, _ in mark.values]) for mark in vertical.marks] == [
+        ("v_cr2", [72.3, 74.9])
+    ]
+    assert "critical velocities" in named(study, "acceleration").caption
+    assert [limit for panel in panels(named(study, "wheel-forces")) for limit in panel.limits] == []
+
+
 def test_the_least_force_of_a_wheel_is_there_too(study: Study, file: Path) -> None:
     panel = panels(named(study, "wheel-forces"))[1]
     assert panel.curves[0].y == pytest.approx(table(file, "min/wheel_1_right_force").mean(axis=0))
