@@ -119,9 +119,9 @@ def over_axis(view: View, title: str, table: str, channels: Sequence[str], x: St
 
 def _solved(x: StudyAxis, curve: Curve) -> Curve:
     """A curve over an axis that grows its own values: through those that were solved, whatever is between."""
-    if not x.refined:
-        return curve
     known = np.isfinite(curve.y)
+    if not x.refined or not known.any():
+        return curve
     return replace(curve, x=curve.x[known], y=curve.y[known])
 
 

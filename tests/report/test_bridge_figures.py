@@ -270,6 +270,27 @@ def test_a_refined_sweep_that_is_not_finished_has_no_gaps(folder: Path) -> None:
         assert f"not finished, {known.sum()} scenarios are solved" in gaps([study])[0]
 
 
+def test_a_train_of_which_nothing_is_solved_yet_is_drawn_as_nothing(tmp_path: Path) -> None:
+    """An unfinished file made from a finished one: the second train's scenarios are still to do."""
+    sweep = "sweep={train.number: [4, 7], velocity: {from: 90, to: 102, step: 4, refine: resonance}}"
+    path = solved(
+        tmp_path, "practice/resonance", "train={model: hslm-a, number: 4}", sweep, shard=Shard(1, 2)
+    )
+    with h5py.File(path, "r+", locking=False) as file:
+        file["status"][1] = 0
+        for name in ("peak", "max", "min", "rms", "time_of_peak", "daf"):
+            for channel in file[name].values():
+                if channel.ndim == 2:
+                    channel[1] = np.nan
+    for study in opened(path):
+        first, second = panels(figures(study)["deck"])[0].curves
+        assert np.isfinite(first.y).all() and len(first.y)
+        assert np.isnan(second.y).all()
+        with in_style():
+            draw(figures(study)["deck"])
+        assert interactive(figures(study)["deck"]) is not None
+
+
 def test_a_zipped_axis_is_called_by_its_first_member(trains: Study) -> None:
     axis = trains.axes[1]
     assert held_at(axis, 1).replace("\N{NO-BREAK SPACE}", " ") == "span L = 30 m"
