@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.case import Case
+from tbi_cli.case import Case, Consist
 from tbi_cli.resources import available_cpus
 from tbi_cli.runner import check_memory, plan_of, results_layout
 from tbi_cli.solve import Solver
@@ -14,8 +14,8 @@ from tbi_cli.studies import solver_of
 
 # Seconds of one processor for one step of one coordinate, side by side with others: an order of magnitude.
 _SECONDS_PER_STEP = 2.5e-7
-# So many scenarios are looked at, or so many models built, in about a second; of more, some speak for all.
-_MOST_SCENARIOS, _MOST_MODELS = 20_000, 200
+# As many scenarios, or models of vehicles, as are looked at in about a second; of more, some speak for all.
+_MOST_SCENARIOS, _MOST_VEHICLES = 20_000, 100
 
 
 def estimate(case: Case) -> list[str]:
@@ -55,8 +55,10 @@ def _weights(solver: Solver, of: int) -> NDArray[np.float64]:
     """
     scenarios = solver.scenarios
     count = len(scenarios)
-    most = _MOST_SCENARIOS if scenarios.model_count * of <= _MOST_MODELS else _MOST_MODELS
-    wanted = max(most // of, 1)
+    train = solver.case.train
+    vehicles = sum(group.count for group in train.consist) if isinstance(train, Consist) else 1
+    models = _MOST_VEHICLES // (vehicles * of)
+    wanted = max(_MOST_SCENARIOS // of if scenarios.model_count <= models else models, 1)
     if count <= wanted:
         return np.ones(count)
     # One in each stretch of as many, the first and the last among them.

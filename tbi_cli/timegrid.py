@@ -24,6 +24,8 @@ _SAMPLES_PER_PERIOD = 60
 _LONGEST_INTERVAL = 1e-3
 
 
+# Of one scenario: days on one processor; and so that the sums over a grid are whole numbers of 64 bits.
+_MOST_STEPS = 10**12
 # A low-pass filter needs so many samples in a period of its cut-off.
 _SAMPLES_PER_CUT_OFF = 4
 
@@ -38,6 +40,12 @@ class UnstableStepError(TimeGridError):
     """A step outside the stability region of the Runge-Kutta method."""
 
     key = "solver.substeps"
+
+
+class TooManyStepsError(TimeGridError):
+    """A scenario that would not come to its end."""
+
+    key = "solver"
 
 
 @dataclass(frozen=True)
@@ -98,7 +106,8 @@ def time_grid(case: Case, pace: Pace) -> TimeGrid:
     """The time grid of a case without sweep (model.md, Integration).
 
     On irregular rails it begins with the first axle at the beginning of the approach.  Raises TimeGridError
-    where the substeps asked for cannot be stable, or the samples are too few for a low-pass filter.
+    where the substeps asked for cannot be stable, the samples are too few for a low-pass filter, or the steps
+    are too many.
     """
     crossing = pace.way / case.velocity
     shortest, fastest, approach = pace.shortest_period, pace.fastest, 0.0
@@ -126,6 +135,11 @@ def time_grid(case: Case, pace: Pace) -> TimeGrid:
         if sampling / substeps * pace.fastest > _SAFE_RADIUS:
             _refuse_unstable(build_system(case), sampling, substeps)
     last = math.floor((approach + case.solver.duration * crossing) / sampling + 1e-9)
+    if last * substeps > _MOST_STEPS:
+        raise TooManyStepsError(
+            f"expected at most {_MOST_STEPS:.0e} steps in one scenario, got {float(last):.3g} samples of "
+            f"{sampling:.3g} s with {float(substeps):.3g} steps in each"
+        )
     return TimeGrid(sampling, substeps, last, 0.0 - approach)
 
 

@@ -136,6 +136,12 @@ BAD = {
     "duplicate value": ("output:", "sweep: {velocity: [50, 60, 50]}\noutput:", "sweep.velocity"),
     "zero span": ("bridges/paper.yaml", "{length: 0, right: {}, left: {}}", "bridge.length"),
     "unstable step": ("sampling: 0.001", "sampling: 0.2", "solver.substeps"),
+    "no end": ("180 m/s", "1e-9", "solver: expected at most 1e+12 steps in one scenario, got "),
+    "no end of a sweep": (
+        "output:",
+        "sweep: {velocity: [50, 1e-15]}\noutput:",
+        "solver at velocity = 1e-15 m/s",
+    ),
     "too large a grid": (
         "output:",
         "sweep: {velocity: {from: 1, to: 9, count: 9000}, gravity: {from: 1, to: 20, count: 9000}}\noutput:",

@@ -29,10 +29,10 @@ def steps(words: str) -> float:
 def test_a_large_grid_costs_what_its_parts_do(sweep: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A thousand strata of the speeds have little room for chance; twenty in a grid of two axes have more."""
     monkeypatch.setattr("tbi_cli.estimate._MOST_SCENARIOS", 1000)
-    monkeypatch.setattr("tbi_cli.estimate._MOST_MODELS", 20)
+    monkeypatch.setattr("tbi_cli.estimate._MOST_VEHICLES", 20)
     drawn = told(sweep)
     monkeypatch.setattr("tbi_cli.estimate._MOST_SCENARIOS", 100_000)
-    monkeypatch.setattr("tbi_cli.estimate._MOST_MODELS", 100_000)
+    monkeypatch.setattr("tbi_cli.estimate._MOST_VEHICLES", 100_000)
     counted = told(sweep)
     assert drawn["steps"].startswith("about ") and not counted["steps"].startswith("about ")
     assert drawn["histories"].startswith("about ")

@@ -12,7 +12,7 @@ from tbi_cli.integrator.integrate import integrate
 from tbi_cli.plan import make_plan
 from tbi_cli.scenarios import make_model
 from tbi_cli.solve import Solver
-from tbi_cli.timegrid import TimeGrid, TimeGridError, UnstableStepError, time_grid
+from tbi_cli.timegrid import TimeGrid, TimeGridError, TooManyStepsError, UnstableStepError, time_grid
 from tests.core.crossings import paper, tables
 
 
@@ -99,3 +99,10 @@ def test_a_crossing_of_very_few_steps() -> None:
     plan = make_plan(solver.scenarios, np.ones(1, dtype=bool), 0, None)
     assert plan.steps.sum() == 21
     assert [batch.tolist() for batch in plan.batches] == [[0]]
+
+
+def test_steps_without_end_are_refused() -> None:
+    with pytest.raises(
+        TooManyStepsError, match=r"^expected at most 1e\+12 steps in one scenario, got .*e\+14 samp"
+    ):
+        grid_of("velocity=1e-9")
