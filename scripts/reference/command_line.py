@@ -51,7 +51,8 @@ def _command(name: str, function: Any) -> str:
         kind, info = hint.__origin__, hint.__metadata__[0]
         text = _text(info.help, default)
         if isinstance(info, ArgumentInfo):
-            arguments.append(info.metavar or word.upper())
+            named = (info.metavar or word.upper()) + ("..." if get_origin(kind) is list else "")
+            arguments.append(named if default is inspect.Parameter.empty else f"[{named}]")
             rows.append([code(arguments[-1]), text])
         else:
             # In Annotated the first spelling is taken for a default, until typer makes the command.

@@ -28,6 +28,7 @@ from tbi_cli.errors import UserError
 app = typer.Typer(
     name="tbi",
     help="What a train does to a bridge, and the bridge to the train, at every speed, mass and span.",
+    epilog="To begin with: tbi init, then tbi validate case.yaml, tbi run case.yaml, tbi report results.h5.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

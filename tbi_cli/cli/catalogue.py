@@ -10,10 +10,13 @@ import typer
 def list_(
     kind: Annotated[
         Literal["trains", "bridges", "cases"] | None,
-        typer.Argument(metavar="[KIND]", help="trains, bridges or cases."),
+        typer.Argument(metavar="KIND", help="trains, bridges or cases."),
     ] = None,
 ) -> None:
-    """Show the built-in trains, bridges and cases, what each is and where its values come from."""
+    """Show the built-in trains, bridges and cases.
+
+    With what each of them is, and where its values come from.
+    """
     from tbi_cli.case import list_builtin
 
     found = [builtin for builtin in list_builtin() if kind in (None, f"{builtin.kind}s")]
@@ -31,10 +34,13 @@ def list_(
 def schema(
     kind: Annotated[
         Literal["case", "train", "bridge"],
-        typer.Argument(metavar="[KIND]", help="Of a case, train or bridge file."),
+        typer.Argument(metavar="KIND", help="Of a case, train or bridge file."),
     ] = "case",
 ) -> None:
-    """Print the JSON Schema of a case file (draft 2020-12), by which editors complete and check."""
+    """Print the JSON Schema of case files, for editors.
+
+    Draft 2020-12; editors complete and check by it while a file is written.
+    """
     import json
 
     from tbi_cli.case.schema import json_schema

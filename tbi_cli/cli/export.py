@@ -18,7 +18,10 @@ def export(
     form: Annotated[Literal["csv", "parquet"], typer.Option("--format", help="csv or parquet.")] = "csv",
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace files that are there.")] = False,
 ) -> None:
-    """Write the tables of a results file as CSV or Parquet: a file per table, a row per scenario."""
+    """Write the tables of a results file as CSV or Parquet.
+
+    A file per table, a row per scenario, units in the heading.
+    """
     from tbi_cli.export import export_tables
     from tbi_cli.store import open_results, studies_of
 

@@ -27,7 +27,10 @@ def info(
     ] = None,
     verbose: options.Verbose = False,
 ) -> None:
-    """Show what a results file holds: axes, channels, status, provenance, extremes."""
+    """Show what a results file holds, or how two of them differ.
+
+    Axes, channels, how much is done, where it comes from, and the extremes.
+    """
     from tbi_cli.store import open_results, studies_of
 
     studies = studies_of(results)

@@ -12,7 +12,7 @@ from tbi_cli.cli import options
 
 def merge(
     shards: Annotated[
-        list[Path], typer.Argument(metavar="SHARDS...", help="The results files of all shards of one run.")
+        list[Path], typer.Argument(metavar="SHARDS", help="The results files of all shards of one run.")
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="The results file to write.")],
     partial: Annotated[

@@ -13,9 +13,7 @@ CaseFile = Annotated[
 ]
 OptionalCaseFile = Annotated[
     str | None,
-    typer.Argument(
-        metavar="[CASE.yaml]", help="A case file or a built-in name.  [default: the paper's case]"
-    ),
+    typer.Argument(metavar="CASE.yaml", help="A case file or a built-in name.  [default: the paper's case]"),
 ]
 ResultsFile = Annotated[Path, typer.Argument(metavar="RESULTS.h5", help="A results file.")]
 Output = Annotated[

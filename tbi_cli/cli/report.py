@@ -13,7 +13,7 @@ from tbi_cli.cli import options
 def report(
     results: Annotated[
         list[Path],
-        typer.Argument(metavar="RESULTS.h5...", help="Results files, finished or not.", show_default=False),
+        typer.Argument(metavar="RESULTS.h5", help="Results files, finished or not.", show_default=False),
     ],
     output: Annotated[
         Path | None,
@@ -63,7 +63,10 @@ def report(
     ] = None,
     quiet: options.Quiet = False,
 ) -> None:
-    """Draw and table what results files hold: the paper's Figs. 4-29, Tables 2-5, any sweep; one page."""
+    """Draw figures and tables of results files, and one page of all.
+
+    Of the paper's figures 4-29 and tables 2-5 what the files hold, and figures of any other sweep.
+    """
     from tbi_cli.report.make import default_folder, make_report
     from tbi_cli.report.wishes import Wishes
 

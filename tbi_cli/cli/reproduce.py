@@ -16,7 +16,7 @@ FAILED = 1
 def reproduce(
     results: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="[RESULTS.h5...]", help="Results files.  [default: run what is needed]"),
+        typer.Argument(metavar="RESULTS.h5", help="Results files.  [default: run what is needed]"),
     ] = None,
     output: Annotated[
         Path, typer.Option("-o", "--output", help="Folder for the results files and the comparison.")
@@ -25,7 +25,7 @@ def reproduce(
     overwrite: options.Overwrite = False,
     quiet: options.Quiet = False,
 ) -> None:
-    """Run the paper's studies and print every number that the paper states beside ours.
+    """Run the paper's studies; print its numbers beside ours.
 
     What an earlier run finished in the folder is kept.  `tbi report FOLDER/*.h5` then draws every figure.
     """

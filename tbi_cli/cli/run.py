@@ -33,7 +33,7 @@ def run(
     quiet: options.Quiet = False,
     verbose: options.Verbose = False,
 ) -> None:
-    """Solve every scenario that a case file describes, and write the results file."""
+    """Solve every scenario of a case file; write the results file."""
     how = _options(output, jobs, backend, scheduler, shard, resume, overwrite)
     _run(load(case, set_, strict, None), how, requeue, quiet, verbose)
 
@@ -64,7 +64,11 @@ def sweep(
     quiet: options.Quiet = False,
     verbose: options.Verbose = False,
 ) -> None:
-    """Solve a case over one more axis; without a range, velocity takes the paper's: 2 to 200 m/s by 0.5."""
+    """Solve a case over one more axis, such as velocity.
+
+    An axis that the case has already is replaced.  Without a range velocity takes the paper's: 2 to 200 m/s
+    by 0.5.
+    """
     from tbi_cli.case import ExtraAxis
 
     extra = ExtraAxis(axis, start=from_, stop=to, step=step, values=values)

@@ -14,7 +14,7 @@ def status(
     paths: Annotated[
         list[str],
         typer.Argument(
-            metavar="CASE.yaml|RESULTS.h5|SHARDS...",
+            metavar="CASE.yaml|RESULTS.h5|SHARDS",
             help="A case that is being run, its results file, or shards of it.",
         ),
     ],
@@ -22,7 +22,7 @@ def status(
     set_: options.Set = None,
     verbose: Annotated[bool, typer.Option("-v", "--verbose", help="List every shard.")] = False,
 ) -> None:
-    """Tell how much of a run is done, failed and missing, and how long is left."""
+    """Tell how much of a run is done, and how long is left."""
     from tbi_cli.case import load_case
     from tbi_cli.cluster.status import run_status
     from tbi_cli.cluster.status_text import status_lines

@@ -46,7 +46,7 @@ def submit(
     strict: options.Strict = False,
     quiet: options.Quiet = False,
 ) -> None:
-    """Send a run to Slurm: an array job of shards, and a job that joins them."""
+    """Send a run to Slurm: an array of shards, and what joins them."""
     from tbi_cli.cli.run import load
     from tbi_cli.cluster.job import Allowance
     from tbi_cli.cluster.submission import array_run, sent_lines

@@ -12,7 +12,7 @@ def validate(
     set_: options.Set = None,
     strict: options.Strict = False,
 ) -> None:
-    """Check a case file and say what running it would mean; solves nothing."""
+    """Check a case file and say what it would cost; solve nothing."""
     from tbi_cli.case import load_case
     from tbi_cli.estimate import estimate
 

@@ -22,7 +22,10 @@ def verify(
     ] = None,
     quiet: options.Quiet = False,
 ) -> None:
-    """Compare what tbi computes with closed forms and independent solutions; write a page of it."""
+    """Compare tbi with closed forms and independent solutions.
+
+    Prints a table of what is computed and what it should be, and writes a page of it.
+    """
     from tbi_cli.verify.page import check_page_path, write_page
     from tbi_cli.verify.run import case_folder, run_verification
     from tbi_cli.verify.table import table, verdict

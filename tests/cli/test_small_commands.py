@@ -118,3 +118,13 @@ def test_the_python_interface_is_the_same_path(results: Path, tmp_path: Path) ->
             assert mine.table("rms", name).tobytes() == theirs.table("rms", name).tobytes()
     with pytest.raises(AttributeError):
         tbi_cli.nothing  # noqa: B018
+
+
+def test_help_says_every_command_in_a_whole_line(tmp_path: Path) -> None:
+    """On a terminal of 80 columns no summary is cut, and no argument has two pairs of brackets."""
+    everything = tbi("--help", folder=tmp_path).out
+    assert "Draw figures and tables" in everything
+    assert "..." not in everything.partition("Commands:")[2]
+    for command in ("sweep", "report", "list"):
+        usage = tbi(command, "--help", folder=tmp_path).out.splitlines()[0]
+        assert "[[" not in usage and "......" not in usage
