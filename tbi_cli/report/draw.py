@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from tbi_cli.report import style, words
 from tbi_cli.report.draw_heat import draw_heat
@@ -89,6 +90,15 @@ def _draw_panel(axes: Axes, panel: Panel, title: str, unit: str, nested: bool) -
     draw_limits(axes, panel.limits, y.factor, words.typeset(panel.y.units))
     axes.set_title(title, pad=4 + ROW * rows)
     axes.set_ylabel(axis_label(panel.y, y))
+    _plain_ticks(axes)
+
+
+def _plain_ticks(axes: Axes) -> None:
+    """Plain text for numbers without powers of ten: setting mathematics takes a third of a figure's time."""
+    for axis in (axes.xaxis, axes.yaxis):
+        form = axis.get_major_formatter()
+        if isinstance(form, ScalarFormatter) and 1e-3 <= np.max(np.abs(axis.get_view_interval())) < 1e5:
+            form.set_useMathText(False)
 
 
 def _unparted(title: str) -> str:

@@ -98,3 +98,11 @@ def test_a_number_keeps_to_the_word_before_it() -> None:
     figure = drawn(panel(title=title), panel(title=title))
     lines = figure.axes[0].get_title(loc="left").splitlines()
     assert lines[-1] == "axle\N{NO-BREAK SPACE}1"
+
+
+@pytest.mark.parametrize(("height", "plain"), [(1.0, True), (1e8, False)])
+def test_only_powers_of_ten_are_set_as_mathematics(height: float, plain: bool) -> None:
+    (axes,) = drawn(panel(height=height)).axes
+    ticks = [label.get_text() for label in axes.get_yticklabels()]
+    assert all("$" not in text for text in ticks) is plain
+    assert bool(axes.yaxis.get_offset_text().get_text()) is not plain
