@@ -105,7 +105,8 @@ def _over_speed(sweep: Sweep, quantities: Sequence[str], place: Mapping[str, int
     for quantity in quantities:
         channels = {side: _channel(sweep.study, side, quantity) for side in sweep.sides}
         if sweep.trains is None:
-            found = over_axis(view, quantity, "peak", list(channels.values()), sweep.velocity)
+            title = quantity if len(channels) > 1 else _after(quantity, sweep.side_words(sweep.sides[0]))
+            found = over_axis(view, title, "peak", list(channels.values()), sweep.velocity)
             if found is not None:
                 curves = [replace(c, label=sweep.side_words(s) or c.label) for s, c in _beside(sweep, found)]
                 made.append(_with_resonances(sweep, _finished(sweep, found, quantity, curves), place))
@@ -173,7 +174,8 @@ def _in_parts(
     for k in range(count):
         some = panels[k * size : (k + 1) * size]
         part = f"-{k + 1}" if count > 1 else ""
-        yield _plot(sweep, name + part, heading, some, family, also_shown or sweep.bridges)
+        of_all = f" ({k + 1} of {count})" if count > 1 else ""
+        yield _plot(sweep, name + part, heading + of_all, some, family, also_shown or sweep.bridges)
 
 
 def _plot(

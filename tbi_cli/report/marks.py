@@ -16,7 +16,7 @@ _SIDE = re.compile(r"(?:^|_)(right|left)(?:_|$)")
 _BODY_ACCELERATION = re.compile(r"car_body_[yz]_acceleration")
 _WHEEL_FORCE = re.compile(r".*wheel_[0-9]+_(right|left)_force")
 EXIT, CRITICAL, LIFT_OFF = "train leaves", "v_cr", "wheel lifts off"
-RESONANCE, PEAK = "v_res", "peak"
+RESONANCE, PEAK = "v_res", "peak found"
 #: ISO 2631 as the paper quotes it (section 3.4), in m/s2: medium and low comfort.
 ISO_2631 = (Limit("ISO 2631", 0.37), Limit("ISO 2631", 0.49))
 #: EN 1990, A2.4.4.2.1, for the acceleration of the deck, in m/s2: ballasted track, track without ballast.

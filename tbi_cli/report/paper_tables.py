@@ -51,7 +51,9 @@ def frequencies(study: Study) -> Table | None:
     rows: list[tuple[Cell, ...]] = []
     for side, hertz, velocities in _beams(case):
         rows.append((f"{side} beam", "natural frequency [Hz]", *hertz))
-        rows.append((f"{side} beam", "critical velocity [m/s]", *velocities))
+        # A train of several vehicles has no one d of Eq. (16).
+        if any(velocities):
+            rows.append((f"{side} beam", "critical velocity [m/s]", *velocities))
     heads = ("beam", "quantity", *(f"mode {j}" for j in range(1, _MODES + 1)))
     return Table(
         "table2", "Table 2. Natural frequencies and critical velocities", heads, tuple(rows), study.title

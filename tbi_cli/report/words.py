@@ -18,6 +18,7 @@ OF_TABLE = {
     "history": "",
 }
 _JOINTS = re.compile(r" (?:of|on|under) ")
+_COACHES = re.compile(r", (?:coach [0-9]+|largest of all coaches)$")
 _DERIVED = {"displacement": "acceleration", "deflection": "acceleration"}
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 # Units that are never counted in thousands; "1" and powers have no prefix at all.
@@ -65,7 +66,7 @@ def clean(text: str) -> str:
 
 def quantity_of(variable: Variable) -> str:
     """What is measured, without where: "vertical acceleration"."""
-    words, _, derived = clean(variable.long_name).partition(", ")
+    words, _, derived = _without_coach(clean(variable.long_name)).partition(", ")
     quantity = _JOINTS.split(words, maxsplit=1)[0]
     if derived != "acceleration":
         return quantity if not derived else f"{quantity}, {derived}"
@@ -75,18 +76,28 @@ def quantity_of(variable: Variable) -> str:
 
 def body_of(variable: Variable) -> str:
     """Where it is measured: "front bogie", "right beam"."""
-    parts = _JOINTS.split(clean(variable.long_name).partition(", ")[0], maxsplit=1)
+    name = clean(variable.long_name)
+    parts = _JOINTS.split(name.partition(", ")[0], maxsplit=1)
     place = parts[1] if len(parts) > 1 else parts[0]
-    return place.removeprefix("the ").removesuffix(" on its rail")
+    coach = _COACHES.search(name)
+    own = coach[0] if coach and coach[0].startswith(", coach") else ""
+    return place.removeprefix("the ").removesuffix(" on its rail") + own
 
 
 def full_name(variable: Variable) -> str:
     """Quantity and place in one: "vertical acceleration of the car body"."""
-    words, _, derived = clean(variable.long_name).partition(", ")
+    whole = clean(variable.long_name)
+    name = _without_coach(whole)
+    words, _, derived = name.partition(", ")
     if derived != "acceleration":
-        return clean(variable.long_name)
+        return whole
     found = _JOINTS.search(words)
-    return quantity_of(variable) + (words[found.start() :] if found else "")
+    return quantity_of(variable) + (words[found.start() :] if found else "") + whole.removeprefix(name)
+
+
+def _without_coach(long_name: str) -> str:
+    """The name of a channel without the coach of a train that it belongs to, or all of them."""
+    return _COACHES.sub("", long_name)
 
 
 def of_table(table: str, quantity: str) -> str:

@@ -51,12 +51,21 @@ def test_a_scaled_number_is_easy_to_read(value: float, units: str) -> None:
         ("force on the car body", "force", "car body"),
         ("force under the front bogie", "force", "front bogie"),
         ("force of the right wheel of axle 1 on its rail", "force", "right wheel of axle 1"),
+        ("pitch of the car body, largest of all coaches", "pitch", "car body"),
+        ("pitch of the car body, acceleration, coach 12", "pitch acceleration", "car body, coach 12"),
+        ("bending moment of the right beam at 10 m", "bending moment", "right beam at 10 m"),
         ("something else", "something else", "something else"),
     ],
 )
 def test_quantity_and_body_of_a_channel(long_name: str, quantity: str, body: str) -> None:
     variable = Variable("x", "m", long_name)
     assert (words.quantity_of(variable), words.body_of(variable)) == (quantity, body)
+
+
+def test_a_full_name_says_of_which_coaches() -> None:
+    name = "pitch of the car body, acceleration, largest of all coaches"
+    full = words.full_name(Variable("x", "rad/s2", name))
+    assert full == "pitch acceleration of the car body, largest of all coaches"
 
 
 def test_a_swept_key_keeps_the_words_of_its_path() -> None:
