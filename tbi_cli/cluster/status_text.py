@@ -31,9 +31,8 @@ def status_lines(status: RunStatus, *, verbose: bool = False) -> list[str]:
 def _counts(status: RunStatus) -> str:
     missing = status.scenarios - status.done - status.failed
     least = "at least " if status.growing else ""
-    return (
-        f"scenarios  {least}{status.scenarios}: {status.done} done, {status.failed} failed, "
-        f"{least}{missing} missing"
+    return f"scenarios  {least}{status.scenarios}: {status.done} done, {status.failed} failed, " + (
+        f"{least}{missing} missing" if missing or not least else "none missing so far"
     )
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tbi_cli.case import Case
-from tbi_cli.cluster.status import run_status
+from tbi_cli.cluster.status import FileStatus, RunStatus, run_status
 from tbi_cli.cluster.status_text import duration, status_lines
 from tbi_cli.errors import UserError
 from tbi_cli.runner import Options, run
@@ -77,3 +77,13 @@ def test_shards(case: Case, tmp_path: Path) -> None:
 )
 def test_durations(seconds: float, words: str) -> None:
     assert duration(seconds) == words
+
+
+def test_a_refined_sweep_between_two_rounds() -> None:
+    """Nothing is known to be missing, and yet it is not finished."""
+    file = FileStatus(Path("r.h5"), None, 90, 90, 0, "stopped", growing=True)
+    assert status_lines(RunStatus((file,))) == [
+        "scenarios  at least 90: 90 done, 0 failed, none missing so far",
+        "r.h5: stopped, 90 of 90 done",
+        "time left  unknown: the sweep may add scenarios where it is refined",
+    ]
