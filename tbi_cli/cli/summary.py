@@ -24,6 +24,9 @@ _HEADLINES = (
     "beam_pitch",
 )
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+# Below this share of the largest value of its unit a peak is what rounding leaves of a zero: a train that is
+# the same on both sides does not sway.  Rounding is 1e-16, and grows with the steps and the stiffest spring.
+_NOTHING = 1e-12
 _PREFIXED = ("m", "m/s", "m/s2", "N", "rad", "rad/s", "rad/s2")
 
 
@@ -54,7 +57,7 @@ def print_summary(summary: Summary, *, every_channel: bool = False) -> None:
 
 
 def extremes(results: Results, *, every_channel: bool) -> list[str]:
-    """A line per channel: its largest absolute value, when, and at which axis values."""
+    """A line per channel: its largest absolute value, when, and at which axis values; 0 for mere rounding."""
     channels = [c for c in results.channels if every_channel or c.name in _HEADLINES]
     if not every_channel:
         channels.sort(key=lambda channel: _HEADLINES.index(channel.name))
@@ -62,17 +65,26 @@ def extremes(results: Results, *, every_channel: bool) -> list[str]:
         (dim.name, column) for dim in results.dims if len(dim.values) > 1 for column in dim.members or (dim,)
     ]
     rows: list[Sequence[str]] = [("channel", "peak", "at", *(column.name for _, column in swept))]
+    found: list[tuple[Variable, int, float]] = []
+    of_unit: dict[str, float] = {}
     for channel in channels:
-        peak = results.table("peak", channel.name)
-        if not np.isfinite(peak).any():
+        peak = results.table("peak", channel.name).ravel()
+        if np.isfinite(peak).any():
+            case = int(np.nanargmax(peak))
+            found.append((channel, case, float(peak[case])))
+            of_unit[channel.units] = max(of_unit.get(channel.units, 0.0), found[-1][2])
+    for channel, case, value in found:
+        if value <= _NOTHING * of_unit[channel.units] < np.inf:
+            rows.append((channel.name, _plain(0.0, channel.units), *[""] * (1 + len(swept))))
             continue
-        place = np.unravel_index(int(np.nanargmax(peak)), peak.shape)
+        at = results.table("time_of_peak", channel.name).ravel()[case]
+        place = np.unravel_index(case, results.shape)
         where = dict(zip((dim.name for dim in results.dims), place, strict=True))
         rows.append(
             (
                 channel.name,
-                with_prefix(float(peak[place]), channel),
-                f"{float(results.table('time_of_peak', channel.name)[place]):.4g} s",
+                with_prefix(value, channel),
+                f"{float(at):.4g} s",
                 *(_plain(float(column.values[where[dim]]), column.units) for dim, column in swept),
             )
         )

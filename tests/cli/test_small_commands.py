@@ -120,6 +120,16 @@ def test_the_python_interface_is_the_same_path(results: Path, tmp_path: Path) ->
         tbi_cli.nothing  # noqa: B018
 
 
+def test_what_is_only_rounding_is_shown_as_nothing(tmp_path: Path) -> None:
+    """The starter's beams are alike: the train does not sway, and no 1e-10 nm of it is printed."""
+    assert tbi("init", folder=tmp_path).code == 0
+    ended = tbi("run", "case.yaml", "--set", "sweep.velocity=[20, 90]", "-v", folder=tmp_path)
+    rows = {line.split()[0]: line.split()[1:] for line in ended.out.splitlines() if " m" in line}
+    assert rows["car_body_z"] == ["0", "m"]
+    assert rows["wheelset_4_z_acceleration"] == ["0", "m/s2"]
+    assert len(rows["car_body_y"]) == 6
+
+
 def test_help_says_every_command_in_a_whole_line(tmp_path: Path) -> None:
     """On a terminal of 80 columns no summary is cut, and no argument has two pairs of brackets."""
     everything = tbi("--help", folder=tmp_path).out
