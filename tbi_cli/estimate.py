@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tbi_cli.case import Case, Consist
 from tbi_cli.resources import available_cpus
-from tbi_cli.runner import check_memory, plan_of, results_layout
+from tbi_cli.runner import check_memory, plan_of, results_layout, rounds_of
 from tbi_cli.solve import Solver
 from tbi_cli.store.layout import TABLES
 from tbi_cli.studies import solver_of
@@ -24,10 +24,13 @@ def estimate(case: Case) -> list[str]:
     parts = solver.parts
     layouts = [results_layout(part, {}) for part in parts.values()]
     check_memory(layouts)
+    rounds_of(solver)
     scenarios = sum(layout.size for layout in layouts)
     weights = np.concatenate([_weights(part, len(parts)) for part in parts.values()])
     plan = plan_of(solver, weights > 0)
     steps, histories = (round(float(counts @ weights)) for counts in (plan.steps, plan.sizes))
+    refined = any(axis.refinement is not None for part in parts.values() for axis in part.scenarios.axes)
+    most = "at most " if refined else ""
     about = "about " if np.any(weights > 1) else ""
     tables = sum(
         8 * layout.size * (len(TABLES) * len(layout.channels) + len(layout.daf) + 1) for layout in layouts
@@ -40,11 +43,12 @@ def estimate(case: Case) -> list[str]:
         lines += _described(part)
     return [
         *lines,
-        f"scenarios  {scenarios}",
-        f"steps      {about}{float(f'{steps:.3g}') if about else steps:,.0f}",
-        f"tables     {_bytes(tables)}",
-        f"histories  {about + _bytes(histories) if stored else 'none'}",
-        f"time       about {_time(steps * _SECONDS_PER_STEP / cpus)} on {cpus} CPU{'s' if cpus > 1 else ''}",
+        f"scenarios  {most}{scenarios}",
+        f"steps      {most}{about}{float(f'{steps:.3g}') if about else steps:,.0f}",
+        f"tables     {most}{_bytes(tables)}",
+        f"histories  {most + about + _bytes(histories) if stored else 'none'}",
+        f"time       {most or 'about '}{_time(steps * _SECONDS_PER_STEP / cpus)} on {cpus} "
+        f"CPU{'s' if cpus > 1 else ''}",
     ]
 
 
@@ -84,7 +88,10 @@ def _described(solver: Solver) -> list[str]:
             if len(axis) > 1
             else f"{axis.values[0]:g}{unit}"
         )
-        lines.append(f"axis       {axis.name}: {len(axis)} value{'s' if len(axis) > 1 else ''}, {ends}")
+        count = f"{len(axis)} value{'s' if len(axis) > 1 else ''}"
+        if axis.refinement is not None:
+            count = f"{(len(axis) - 1) // axis.refinement.per_step + 1} to {len(axis)} values"
+        lines.append(f"axis       {axis.name}: {count}, {ends}")
     return lines
 
 

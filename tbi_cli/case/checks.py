@@ -207,10 +207,13 @@ def _numbers(part: Part, before: str) -> Iterator[tuple[str, Quantity, float]]:
         value, field = getattr(part, name), accepts(info)
         if isinstance(value, Part):
             yield from _numbers(value, f"{before}{key}.")
+        elif isinstance(value, tuple) and value and isinstance(value[0], Part):
+            for number, part in enumerate(value):
+                yield from _numbers(part, f"{before}{key}.{number}.")
         elif isinstance(field, Quantity):
-            for number in value if isinstance(value, tuple) else (value,):
-                if isinstance(number, int | float):
-                    yield before + key, field, float(number)
+            for one in value if isinstance(value, tuple) else (value,):
+                if isinstance(one, int | float):
+                    yield before + key, field, float(one)
 
 
 def _odd_damping(case: Case) -> Iterator[Finding]:

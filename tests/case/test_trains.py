@@ -275,6 +275,27 @@ def test_what_is_found_out_before_the_run(folder: Path, more: str, message: str)
     (folder / "case.yaml").write_text(text)
     for command in ("run", "validate"):
         ended = tbi(command, "case.yaml", folder=folder)
-        if command == "run" or "sampling" in more:
-            assert (ended.code, ended.out, ended.err) == (2, "", message)
+        assert (ended.code, ended.out, ended.err) == (2, "", message)
     assert [path.name for path in folder.iterdir()] == ["case.yaml"]
+
+
+def test_what_a_refined_sweep_may_cost(folder: Path) -> None:
+    """At least the steps of the axis, at most all speeds that there may be."""
+    (folder / "case.yaml").write_text(
+        case(HSLM, "sweep:\n  velocity: {from: 40, to: 60, step: 2, refine: resonance}\n")
+    )
+    lines = tbi("validate", "case.yaml", folder=folder).out.splitlines()
+    assert "axis       velocity: 11 to 321 values, 40 to 60 m/s" in lines
+    assert "scenarios  at most 321" in lines
+    assert any(line.startswith("steps      at most ") for line in lines)
+
+
+def test_odd_numbers_of_a_vehicle_in_a_train(loads: Loads) -> None:
+    text = case(f"{{consist: [{{vehicle: {SPRUNG}, spacing: 10}}, {{vehicle: {SPRUNG}, spacing: 10}}]}}")
+    assert loads(text).warnings == ()
+    head, _, tail = text.rpartition("1 t")
+    (warning,) = loads(f"{head}0.1{tail}").warnings
+    assert warning.splitlines()[0] == (
+        "case.yaml:1:135: warning: train.consist.1.vehicle.mass: 0.1 kg is outside the usual 1 to 1e6 kg; "
+        'was "0.1 t" meant?'
+    )
