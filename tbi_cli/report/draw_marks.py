@@ -10,11 +10,11 @@ from matplotlib.transforms import Transform, blended_transform_factory
 
 from tbi_cli.report import style
 from tbi_cli.report.marks import CRITICAL, RESONANCE
-from tbi_cli.report.plot import Limit, Mark, Panel
+from tbi_cli.report.plot import Limit, Panel
 
 ROW = 8.5  # points between rows of labels above a panel
 _MOST_ROWS = 4
-_SMALL = 6.5
+SMALL = 6.5  # points: the letters of labels
 # Share of the axis between two labels of a row, at least: of two columns of panels, of three.
 _APART, _APART_IN_THREE = 0.075, 0.13
 # Labels of limits closer than this share of the axis become one; limits so far above the curves only a note.
@@ -56,7 +56,7 @@ def draw_marks(axes: Axes, panel: Panel, x_factor: float, y_factor: float, unit:
         others = labelled.setdefault(row, [])
         if low <= middle <= high and all(abs(middle - x) > apart for x in others):
             others.append(middle)
-            _annotate(axes, _text(mark), (middle, 1.0), above, (0, height), "center", colour)
+            _annotate(axes, mark_text(mark.label), (middle, 1.0), above, (0, height), "center", colour)
     if rows > 1:
         for row, place in enumerate(places):
             height = 2.0 + ROW * (rows - 1 - row)
@@ -76,16 +76,17 @@ def _annotate(
 ) -> None:
     axes.annotate(
         text, at, xycoords=coordinates, xytext=shift, textcoords="offset points", ha=ha, va="bottom",
-        fontsize=_SMALL, color=colour, annotation_clip=False,
+        fontsize=SMALL, color=colour, annotation_clip=False,
     )  # fmt: skip
 
 
-def _text(mark: Mark) -> str:
-    if mark.label.startswith(RESONANCE):
-        return f"$v_{{{mark.label.removeprefix(RESONANCE)}}}$"
-    if not mark.label.startswith(CRITICAL):
-        return mark.label
-    return rf"$v_{{\mathrm{{cr}},{mark.label.removeprefix(CRITICAL)}}}$"
+def mark_text(label: str) -> str:
+    """The label of a mark for matplotlib: speeds of note as symbols."""
+    if label.startswith(RESONANCE):
+        return f"$v_{{{label.removeprefix(RESONANCE)}}}$"
+    if not label.startswith(CRITICAL):
+        return label
+    return rf"$v_{{\mathrm{{cr}},{label.removeprefix(CRITICAL)}}}$"
 
 
 def _draw_dots(axes: Axes, panel: Panel, x_factor: float, y_factor: float) -> None:
@@ -141,7 +142,7 @@ def _beside(axes: Axes, text: str, shift: float, y: float, upright: bool = False
         rotation=90 if upright else 0,
         ha="left",
         va="top" if upright else "center",
-        fontsize=_SMALL,
+        fontsize=SMALL,
         color=style.LIMIT,
         annotation_clip=False,
     )

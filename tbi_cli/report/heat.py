@@ -45,19 +45,22 @@ def heat_panel(
 def _critical_lines(
     study: Study, channel: str, x: StudyAxis, y: StudyAxis, order: np.ndarray, place: Mapping[str, int]
 ) -> tuple[Curve, ...]:
-    """The critical velocity of each mode and beam along the other axis; none where no axis is velocity."""
+    """The critical velocity of each mode and beam along the other axis; none where no axis is velocity.
+
+    They are called by their mark and their beam: "v_cr1 right".
+    """
     if _VELOCITY not in (x.paths, y.paths):
         return ()
     other = y if x.paths == _VELOCITY else x
     found: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for index in order:
         case = study.case_at({**place, other.name: int(index)})
-        for mark in marks.critical(case, marks.side_of([channel])) if case else []:
-            for velocity, beam in mark.values:
-                found.setdefault((mark.label, beam), []).append((velocity, float(other.values[index])))
+        for of_mode in marks.critical(case, marks.side_of([channel])) if case else []:
+            for velocity, beam in of_mode.values:
+                found.setdefault((of_mode.label, beam), []).append((velocity, float(other.values[index])))
     lines = []
-    for (_, beam), points in found.items():
+    for (mark, beam), points in found.items():
         velocities, values = (np.array(column) for column in zip(*points, strict=True))
         ends = (velocities, values) if other is y else (values, velocities)
-        lines.append(Curve(beam, *ends))
+        lines.append(Curve(f"{mark} {beam}", *ends))
     return tuple(lines)

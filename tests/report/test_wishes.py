@@ -9,10 +9,12 @@ import h5py
 import numpy as np
 import pytest
 
+from tbi_cli.report.draw import draw
 from tbi_cli.report.errors import ReportError
 from tbi_cli.report.generic_figures import generic_figures
 from tbi_cli.report.plot import HeatPanel, Panel, Plot
 from tbi_cli.report.study import Study, open_studies
+from tbi_cli.report.style import in_style
 from tbi_cli.report.wishes import Wishes
 from tests.cli.commands import tbi
 
@@ -89,6 +91,11 @@ def test_heat_maps_hold_the_table_and_the_critical_velocities(study: Study, file
     # Table 5: 52.03 m/s at 30 m and 18.73 m/s at 50 m, printed with two decimals.
     assert first.x == pytest.approx([52.03, 18.73], abs=1e-2)
     assert first.y.tolist() == [30.0, 50.0]
+    assert [line.label for line in panel.lines] == [f"v_cr{mode} left" for mode in range(1, 5)]
+    with in_style():
+        axes = draw(plots["stiffness-heat-left_midspan"]).axes[0]
+    # At 50 m only the second, 74.93 m/s, is among the speeds.
+    assert [text.get_text() for text in axes.texts] == [r"$v_{\mathrm{cr},2}$"]
 
 
 def test_patterns_name_channels(study: Study) -> None:
