@@ -264,7 +264,8 @@ class _Writer:
             for key in numeric_keys(model):
                 axes.setdefault(key, self.axis(key, model))
         axes |= {name: self.axis(paths[0], "full-31dof") for name, paths in SHORT_NAMES.items()}
-        axes["velocity"] = {"anyOf": [axes["velocity"], self.refined("velocity")]}
+        speeds, refined = axes["velocity"], self.refined("velocity")
+        axes["velocity"] = {"anyOf": [speeds, refined], "description": speeds["description"]}
         group: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "uniqueItems": True}
         together: Schema = {"anyOf": [group, {"type": "array", "items": group, "minItems": 1}]}
         together["description"] = "axes of this sweep that move together, or several such lists"
@@ -302,13 +303,16 @@ class _Writer:
         else:
             value, step = {"type": "integer", "minimum": leaf.low, "maximum": leaf.high}, {"type": "integer"}
             name = f"axis_of_whole_numbers_to_{leaf.high}"
-        count = {"type": "integer", "minimum": 1}
-        ends = {"from": value, "to": value}
+        step = step | {"description": "distance of the values"}
+        count = {"type": "integer", "minimum": 1, "description": "number of values"}
+        ends = {"from": value | {"description": "first value"}, "to": value | {"description": "last value"}}
+        logarithmic = _all_of(ends | {"count": count})
+        logarithmic["description"] = "values each of which is the one before times the same factor"
         forms: list[Schema] = [
-            {"type": "array", "items": value, "minItems": 1},
+            {"type": "array", "items": value, "minItems": 1, "description": "values, one by one"},
             _all_of(ends | {"step": step}),
             _all_of(ends | {"count": count}),
-            _all_of({"log": _all_of(ends | {"count": count})}),
+            _all_of({"log": logarithmic}),
         ]
         return self.define(name, {"anyOf": forms})
 
@@ -335,17 +339,19 @@ class _Writer:
             forms.append(form)
         schema = _all_of(
             {
-                "kind": {"enum": list(KINDS)},
-                "count": {"type": "integer", "minimum": 1},
+                "kind": {"enum": list(KINDS), "description": "how the cases are drawn"},
+                "count": {"type": "integer", "minimum": 1, "description": "number of cases"},
                 "over": {
                     "type": "object",
+                    "description": "the keys that are drawn, each with its distribution",
                     "minProperties": 1,
                     "propertyNames": {"enum": keys},
                     "additionalProperties": {"anyOf": forms},
                 },
             }
         )
-        schema["properties"]["seed"] = {"type": "integer", "minimum": 0, "maximum": 2**32 - 1}
+        seed: Schema = {"type": "integer", "minimum": 0, "maximum": 2**32 - 1}
+        schema["properties"]["seed"] = seed | {"description": "another seed, other cases; 0 unless given"}
         return schema | {"description": "a random design: all its keys move together"}
 
 

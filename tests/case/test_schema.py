@@ -53,6 +53,32 @@ def test_every_resolved_case_passes(path: Path) -> None:
         assert faults(load_case(path).to_yaml()) == []
 
 
+NEWER = {
+    "track: {approach: 100 m, irregularity: {dip: {at: 1, length: 2 m, depth: 5 mm}}}": "5 mm -> 5 kg",
+    "track: {irregularity: {random: {spectrum: fra-6}}}": "fra-6 -> fra-7",
+    "contact: {model: hertz, stiffness: 1.4e9}": "stiffness -> stifness",
+    "output: {coaches: each}": "each -> every",
+    "sweep: {velocity: {from: 1, to: 99, step: 2, refine: resonance, tolerance: 1 %}}": "1 % -> 1 kg",
+    "sweep: {sample: {kind: sobol, count: 4, over: {velocity: {uniform: [1, 2]}}}}": "uniform -> unifrom",
+    "studies: {a: {velocity: 20}, b: {sweep: {span: [30, 40]}}}": "velocity: 20 -> velcity: 20",
+}
+
+
+@pytest.mark.parametrize("text", NEWER)
+def test_what_other_cases_have_is_checked_too(text: str, tmp_path: Path) -> None:
+    """Each passes, and loads; and neither after one mistake."""
+    old, new = NEWER[text].split(" -> ")
+    for right, more in ((True, text), (False, text.replace(old, new, 1))):
+        path = tmp_path / "case.yaml"
+        path.write_text(f"train: paper\nbridge: paper\nvelocity: 300 km/h\n{more}\n")
+        assert (faults(path.read_text()) == []) == right
+        if right:
+            load_case(path)
+        else:
+            with pytest.raises(CaseError):
+                load_case(path)
+
+
 GOOD_SWEEPS = [
     "velocity: [10, 36 km/h]",
     "velocity: {from: 2 m/s, to: 200, step: 0.5}",
@@ -158,10 +184,20 @@ def test_whatever_unit_the_schema_takes_the_reader_takes(drawn: tuple[str, str])
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_key_is_described(kind: Kind) -> None:
     schema = json_schema(kind)
-    for where in [schema, *schema["$defs"].values()]:
-        for key, value in where.get("properties", {}).items():
-            known = schema["$defs"][value["$ref"].rpartition("/")[2]] if "$ref" in value else {}
-            assert value.get("description") or known.get("description"), key
+    for where, key, value in described(schema):
+        known = schema["$defs"][value["$ref"].rpartition("/")[2]] if "$ref" in value else {}
+        assert value.get("description") or known.get("description"), f"{where}/{key}"
+
+
+def described(node: Any, where: str = "") -> Iterator[tuple[str, str, Any]]:
+    """Every key that a file may have, wherever it may have it; conditions are no keys."""
+    if isinstance(node, list):
+        node = dict(enumerate(node))
+    for word, inner in node.items() if isinstance(node, dict) else ():
+        if word == "properties":
+            yield from ((where, key, value) for key, value in inner.items() if value is not False)
+        if word not in ("if", "then"):
+            yield from described(inner, f"{where}/{word}")
 
 
 def test_every_quantity_has_a_unit_and_examples_in_the_schema() -> None:
