@@ -42,10 +42,14 @@ def train(text: str, *overrides: str) -> tuple[str, ...]:
     return (f"train={text}", "contact.static_load=physical", *overrides)
 
 
+WAVES = "track={approach: 20 m, irregularity: {harmonic: {amplitude: 1 mm, wavelength: 7 m}}}"
+
+
 @pytest.mark.parametrize("contact", ["paper", "hertz"])
-def test_a_train_of_one_car_has_the_bits_of_the_car(contact: str) -> None:
+@pytest.mark.parametrize("track", ["track=null", WAVES], ids=["level", "waves"])
+def test_a_train_of_one_car_has_the_bits_of_the_car(track: str, contact: str) -> None:
     one = "{consist: [{vehicle: trains/paper.yaml, spacing: 25 m}]}"
-    common = (f"contact={{model: {contact}, static_load: physical}}", "solver.duration=1")
+    common = (f"contact={{model: {contact}, static_load: physical}}", "solver.duration=1", track)
     alone, coupled = tables(paper(*common)), tables(paper(*train(one, EACH, *common)))
     for table, channels in alone.items():
         for name, values in channels.items():
@@ -205,3 +209,17 @@ def test_a_train_far_from_resonance_is_no_more_than_its_cars(tmp_path: Path) -> 
     for name in ("car_body_y", "front_bogie_pitch", "wheelset_3_roll_acceleration", "wheel_2_left_force"):
         first, second = found[f"coach_1_{name}"][0], found[f"coach_2_{name}"][0]
         assert second == pytest.approx(first, rel=1e-5), name
+
+
+def test_coaches_feel_the_rails_one_after_the_other() -> None:
+    """On the approach the second car does what the first one did half a second before: 25 m at 50 m/s."""
+    text = "{consist: [{vehicle: trains/paper.yaml, count: 2, spacing: 25 m}]}"
+    waves = WAVES.replace("approach: 20 m", "approach: 120 m")
+    h = histories(paper(*train(text, ALL, "velocity=50", "solver.duration=1", waves)))
+    assert h["time"][0] == -2.4
+    before = h["time"] < -1e-9
+    for name in ("car_body_y", "front_bogie_pitch", "rear_bogie_y_acceleration", "wheel_3_right_force"):
+        first, second = h[f"coach_1_{name}"][before], h[f"coach_2_{name}"][before]
+        # From the start the second stands on the level with which the waves begin, 1e-12 m, of bodies' 3e-5 m.
+        assert np.abs(second[500:] - first[:-500]).max() < 1e-7 * np.ptp(first), name
+        assert np.ptp(first) > 0
