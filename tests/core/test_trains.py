@@ -220,6 +220,6 @@ def test_coaches_feel_the_rails_one_after_the_other() -> None:
     before = h["time"] < -1e-9
     for name in ("car_body_y", "front_bogie_pitch", "rear_bogie_y_acceleration", "rear_bogie_force"):
         first, second = h[f"coach_1_{name}"][before], h[f"coach_2_{name}"][before]
-        # The second stands from the start on the level with which the waves begin, 1e-12 m; bodies move 3e-5 m.
+        # From the start the second stands on what the waves begin with, 1e-12 m; bodies move 3e-5 m.
         assert np.abs(second[500:] - first[:-500]).max() < 1e-7 * np.ptp(first), name
         assert np.ptp(first) > 0
