@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -86,7 +87,7 @@ def _of_file(path: Path) -> Heading:
     version = attributes.pop("format_version", None)
     if version != FORMAT_VERSION:
         raise StoreError(f"{path}: has the format version {version}, this tbi reads {FORMAT_VERSION}")
-    if not names or not set(names) <= there or len(set(names)) < len(names):
+    if not set(names) <= there or not _are_studies(names):
         raise StoreError(f"{path}: does not hold the studies that it should")
     return Heading(tuple(names), attributes)
 
@@ -97,13 +98,23 @@ def _of_parts(path: Path) -> Heading | None:
         data = json.loads(file.read_text(encoding="utf-8"))
         if data["format_version"] != FORMAT_VERSION:
             raise StoreError(f"{file}: has the format version {data['format_version']!r:.20}")
-        return Heading(tuple(map(str, data["studies"])), {str(k): v for k, v in data["attributes"].items()})
+        names = [str(name) for name in data["studies"]]
+        if not _are_studies(names):
+            raise StoreError(f"{file}: does not name studies")
+        return Heading(tuple(names), {str(k): v for k, v in data["attributes"].items()})
     except (FileNotFoundError, NotADirectoryError):
         return None
     except OSError as error:
         raise StoreError.from_os(file, error) from error
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise StoreError(f"{file}: is not what tbi writes there") from error
+
+
+def _are_studies(names: list[str]) -> bool:
+    """Whether these can be studies: their names are those of folders too, beside the file."""
+    from tbi_cli.case.studies import NAME
+
+    return bool(names) and len(set(names)) == len(names) and all(re.fullmatch(NAME, name) for name in names)
 
 
 class StudiesStore:
@@ -205,6 +216,6 @@ class StudiesStore:
 
     def close(self) -> None:
         """Give the store up.  Batches that were written stay, for a later run to resume."""
-        if not any(store.has_parts for store in self.parts.values()):
+        if not self._claim.has_parts:
             self._claim.clean(parts=True)
         self._claim.release()

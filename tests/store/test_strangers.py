@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 import shutil
 from collections.abc import Callable
@@ -11,8 +12,9 @@ import h5py
 import numpy as np
 import pytest
 
-from tbi_cli.store import StoreError, open_results
+from tbi_cli.store import StoreError, open_results, studies_of
 from tbi_cli.store.compare import changed_keys
+from tbi_cli.store.layout import FORMAT_VERSION, STUDIES_FORMAT
 from tests.store.example import batch, content, layout, solve
 
 OF = layout(shape=(2, 3), channels=3, histories=2)
@@ -326,3 +328,21 @@ def test_a_damaged_part(tmp_path: Path) -> None:
         store.finish()
     solve(tmp_path / "whole.h5", OF)
     assert content(path) == content(tmp_path / "whole.h5")
+
+
+@pytest.mark.parametrize("name", ["..", "-rf", "a\x1b[31m", "x" * 100])
+def test_studies_are_named_as_folders_may_be(tmp_path: Path, name: str) -> None:
+    """`tbi export` makes a folder for each study, and a run keeps the parts of each in one."""
+    path = tmp_path / "results.h5"
+    heading = {"format": STUDIES_FORMAT, "format_version": FORMAT_VERSION, "studies": name}
+    with h5py.File(path, "w") as file:
+        file.create_group(name)
+        file.attrs.update(heading)
+    with pytest.raises(StoreError, match="does not hold the studies that it should"):
+        studies_of(path)
+    path.unlink()
+    folder = tmp_path / "results.h5.parts"
+    folder.mkdir()
+    (folder / "studies.json").write_text(json.dumps(heading | {"studies": [name, "b"], "attributes": {}}))
+    with pytest.raises(StoreError, match=r"studies\.json: does not name studies"):
+        studies_of(path)
