@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -11,6 +12,7 @@ from typing import Literal
 Kind = Literal["train", "bridge", "case"]
 _FOLDERS: dict[str, Kind] = {"trains": "train", "bridges": "bridge"}
 _NOT_LISTED = {"templates"}
+_DIGITS = re.compile(r"([0-9]+)")
 
 
 @dataclass(frozen=True)
@@ -33,11 +35,15 @@ def configs_folder() -> Path:
 
 
 def list_builtin(kind: Kind | None = None) -> list[Builtin]:
-    """All of them, or those of one kind, by kind and name."""
-    found = [builtin for builtin in _all() if kind in (None, builtin.kind)]
-    return sorted(
-        found, key=lambda builtin: (builtin.kind != "train", builtin.kind != "bridge", builtin.name)
-    )
+    """All of them, or those of one kind, by kind and name; hslm-a10 comes after hslm-a9."""
+
+    def key(builtin: Builtin) -> tuple[object, ...]:
+        words = tuple(
+            (word.isdigit(), int(word) if word.isdigit() else word) for word in _DIGITS.split(builtin.name)
+        )
+        return (builtin.kind != "train", builtin.kind != "bridge", words)
+
+    return sorted((builtin for builtin in _all() if kind in (None, builtin.kind)), key=key)
 
 
 def builtin_path(kind: Kind, name: str) -> Path | None:

@@ -20,11 +20,11 @@ def list_(
     from tbi_cli.case import list_builtin
 
     found = [builtin for builtin in list_builtin() if kind in (None, f"{builtin.kind}s")]
-    width = max(len(builtin.name) for builtin in list_builtin())
-    heading = ""
+    heading, width = "", 0
     for builtin in found:
         if builtin.kind != heading:
             heading = builtin.kind
+            width = max(len(other.name) for other in found if other.kind == heading)
             print(f"{heading}s")
         print(f"  {builtin.name:{width}}  {builtin.description}")
         if builtin.source:

@@ -132,3 +132,8 @@ def test_a_file_beside_the_case_comes_before_a_built_in_one(tmp_path: Path) -> N
     assert load_case(tmp_path / "case.yaml").train.model == "moving-load"
     (tmp_path / "case.yaml").write_text("train: paper\nbridge: paper\nvelocity: 5\n")
     assert load_case(tmp_path / "case.yaml").train.model == "full-31dof"
+
+
+def test_numbers_in_names_are_counted() -> None:
+    names = [builtin.name for builtin in list_builtin("train") if builtin.name.startswith("hslm-a")]
+    assert names == [f"hslm-a{number}" for number in range(1, 11)]
