@@ -103,8 +103,11 @@ def kernels(soak: Soak) -> None:
             codes == [0] * 8 and same == 8,
         )
     healed, moments = 0, random.Random(1)
-    damages = [path for path in cache.rglob("*.nb?") for _ in range(2)]
-    for file in damages:
+    kept = {path.name.split("-")[0] + path.suffix for path in cache.rglob("*.nb?")}
+    damages = [name for name in sorted(kept) for _ in range(2)]
+    for name in damages:
+        function, _, kind = name.rpartition(".")
+        file = next(cache.rglob(f"{function}-*.{kind}"))
         file.write_bytes(file.read_bytes()[: moments.choice((0, 100, 5000))])
         ended = soak.tbi("run", "case.yaml", "-o", "few.h5", "--overwrite", *few, TBI_CACHE_DIR=str(cache))
         healed += ended.returncode == 0 and content(soak.folder / "few.h5") == first

@@ -11,7 +11,7 @@ from tbi_cli.store.durable import UNFINISHED, sync_folder
 from tbi_cli.store.errors import StoreError
 from tbi_cli.store.lock import LOCK_FILE, Lock, refuse_if_held
 from tbi_cli.store.opening import Run, resolve
-from tbi_cli.store.parts import LAYOUT_FILE, STUDIES_FILE, parts_folder
+from tbi_cli.store.parts import LAYOUT_FILE, STUDIES_FILE, part_number, parts_folder
 from tbi_cli.store.safe import looks_like_hdf5
 
 _SUFFIXES = {".h5", ".hdf5", ".hdf", ".nc", ".nc4", ""}
@@ -62,15 +62,20 @@ def _check_place(path: Path) -> None:
 
 
 def _refuse_unfinished_run(path: Path) -> None:
-    run = Run.read(path)
-    if run is None or not run.parts():
-        return
-    with run.results() as results:
-        solved, size = int((results.status != 0).sum()), results.layout.size
-    raise StoreError(
-        f"{run.folder}: holds an unfinished run, {solved} of {size} cases; "
-        "--resume continues it, --overwrite starts afresh"
-    )
+    folder = parts_folder(path)
+    several = (folder / STUDIES_FILE).exists()
+    solved = size = 0
+    for study in sorted(p.name for p in folder.iterdir() if p.is_dir()) if several else [""]:
+        run = Run.read(path, study)
+        if run is None:
+            continue
+        with run.results() as results:
+            solved, size = solved + int((results.status != 0).sum()), size + results.layout.size
+    if size and any(part_number(p) is not None for p in folder.rglob("*.h5")):
+        raise StoreError(
+            f"{folder}: holds an unfinished run, {solved} of {size} cases; "
+            "--resume continues it, --overwrite starts afresh"
+        )
 
 
 class Claim:
@@ -124,6 +129,11 @@ class Claim:
             return list(self.folder.iterdir())
         except OSError:
             return []
+
+    @property
+    def has_parts(self) -> bool:
+        """Whether any batch is in the folder, of whatever run, that is not in a results file yet."""
+        return any(part_number(path) is not None for path in self.folder.rglob("*.h5"))
 
     def clean(self, *, parts: bool) -> None:
         """Remove what dead runs left half written; with ``parts``, all that the run itself has stored too.

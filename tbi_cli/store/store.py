@@ -126,11 +126,6 @@ class ResultsStore:
         return {"": self}
 
     @property
-    def has_parts(self) -> bool:
-        """Whether any batch is on the disk that is not in a results file yet."""
-        return any(part_number(path) is not None for path in self._claim.files())
-
-    @property
     def has_news(self) -> bool:
         """Whether there is anything that the results file does not hold yet."""
         return bool(self._run.parts()) or not (self._run.extends and self.path.exists())
@@ -157,6 +152,6 @@ class ResultsStore:
 
     def close(self) -> None:
         """Give the store up.  Batches that were written stay, for a later run to resume."""
-        if not self.has_parts:
+        if not self._claim.has_parts:
             self._claim.clean(parts=True)
         self._claim.release()

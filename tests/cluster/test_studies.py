@@ -206,3 +206,37 @@ def test_an_array_of_studies_is_cut_like_any_other(tmp_path: Path) -> None:
     ended = inside("submit", "case.yaml", "--shards", "3", "--dry-run", folder=tmp_path)
     assert ended.code == 0, ended.err
     assert '--shard "$SLURM_ARRAY_TASK_ID/3" --resume --requeue\n' in ended.out
+
+
+def left_unfinished(case: Case, path: Path) -> dict[str, bytes]:
+    """A run that is stopped after its first batch, and what it leaves."""
+    stop = StopAfter(1)
+    assert run(case, Options(path, Workers(jobs=1)), progress=stop, stop=stop.event).left > 0
+    return {
+        str(file.relative_to(path.parent)): file.read_bytes() for file in path.parent.rglob("*.h5*/**/*.h5")
+    }
+
+
+@pytest.mark.parametrize("what", ["studies", "grid"])
+def test_a_refused_run_takes_nothing_away(studies: Case, case: Case, tmp_path: Path, what: str) -> None:
+    """Whatever is asked for in place of an unfinished run: its batches stay."""
+    path = tmp_path / "results.h5"
+    (tmp_path / "case.yaml").write_text(STUDIES.replace("180 m/s", "170 m/s"))
+    other = load_case(tmp_path / "case.yaml")
+    begun, foreign = (studies, case) if what == "studies" else (case, studies)
+    before = left_unfinished(begun, path)
+    assert len(before) == 1
+    for options, one in (
+        (Options(path), begun),
+        (Options(path), foreign),
+        (Options(path, resume=True), foreign),
+        (Options(path, resume=True), other),
+        (Options(path, shard=Shard(1, 2), resume=True), begun),
+    ):
+        with pytest.raises(StoreError) as caught:
+            run(one, options)
+        assert str(caught.value).startswith(f"{path}.parts: ")
+        if not options.resume:
+            assert "--resume continues it, --overwrite starts afresh" in str(caught.value)
+        assert {str(f.relative_to(tmp_path)): f.read_bytes() for f in tmp_path.rglob("*.h5")} == before
+    assert run(begun, Options(path, resume=True)).before > 0
