@@ -17,9 +17,9 @@ _AT_BOUND = 0.01
 
 
 def screening(fits: Sequence[Fit], as_published: Fit) -> str:
-    """Each discrete combination, the masses of the beams alone being fitted; the best first."""
+    """Each discrete combination, the masses of the beams scaled; the best first."""
     lines = [
-        "Published vehicle, masses of the beams fitted: total, mu right and left [t/m], discrete unknowns"
+        "Published vehicle, masses of the beams scaled: total, mu right and left [t/m], discrete unknowns"
     ]
     for fit in fits:
         right, left = fit.values[:2] / 1e3
