@@ -196,8 +196,7 @@ def oddities(case: Case, axes: tuple[Axis, ...], has_unit: Callable[[str], bool]
             odd = next((text for value in axis.values if (text := leaf.odd(value, has_unit(key)))), "")
             if odd:
                 yield key, odd
-    if not bridge_is_odd:
-        yield from _odd_damping(case)
+    yield from _odd_damping(case, bridge_is_odd)
     if case.track is not None:
         yield from case.track.oddities()
 
@@ -216,10 +215,13 @@ def _numbers(part: Part, before: str) -> Iterator[tuple[str, Quantity, float]]:
                     yield before + key, field, float(one)
 
 
-def _odd_damping(case: Case) -> Iterator[Finding]:
+def _odd_damping(case: Case, bridge_is_odd: bool) -> Iterator[Finding]:
+    """Beams oddly damped in their first mode; of an odd bridge only where the ratio itself is given."""
     beams: Iterable[tuple[str, Beam | None]] = (("right", case.bridge.right), ("left", case.bridge.left))
     for side, beam in beams:
         if beam is None or beam.damping.value == 0 or beam.damping.form == "ratio":
+            continue
+        if bridge_is_odd and beam.damping.form == "coefficient":
             continue
         ratio = beam.first_mode_damping_ratio(case.bridge.length)
         if not USUAL_RATIO[0] <= ratio <= USUAL_RATIO[1]:

@@ -430,6 +430,14 @@ def test_odd_values_are_warnings_and_errors_when_strict(
     assert first_line(says(text, strict=True)) == warning.replace("warning: ", "")
 
 
+def test_odd_values_are_told_all_at_once(loads: Loads) -> None:
+    text = changed("207 GPa", "207").replace(
+        "    damping: 10 kN*s/m^2\n", "    damping: {first_mode_ratio: 50 %}\n"
+    )
+    told = [first_line(given).partition("warning: ")[2] for given in loads(text).warnings]
+    assert [line.split(":")[0] for line in told] == ["bridge.right.youngs_modulus", "bridge.right.damping"]
+
+
 def test_an_odd_value_in_the_sweep_is_a_warning(loads: Loads) -> None:
     (warning,) = loads(CASE + "sweep: {car_body_mass: [40, 40 t]}\n").warnings
     assert first_line(warning) == (
