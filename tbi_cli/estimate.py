@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.case import Case, Consist
+from tbi_cli.case import Axis, Case, Consist
 from tbi_cli.resources import available_cpus
 from tbi_cli.runner import check_memory, plan_of, results_layout, rounds_of
 from tbi_cli.solve import Solver
@@ -13,7 +13,7 @@ from tbi_cli.store.layout import TABLES
 from tbi_cli.studies import solver_of
 
 # Seconds of one processor for one step of one coordinate, side by side with others: an order of magnitude.
-_SECONDS_PER_STEP = 2.5e-7
+_SECONDS_PER_STEP = 7e-9
 # As many scenarios, or models of vehicles, as are looked at in about a second; of more, some speak for all.
 _MOST_SCENARIOS, _MOST_VEHICLES = 20_000, 100
 
@@ -29,6 +29,8 @@ def estimate(case: Case) -> list[str]:
     weights = np.concatenate([_weights(part, len(parts)) for part in parts.values()])
     plan = plan_of(solver, weights > 0)
     steps, histories = (round(float(counts @ weights)) for counts in (plan.steps, plan.sizes))
+    sizes = [np.full(len(part.scenarios), _coordinates(part)) for part in parts.values()]
+    seconds = float(plan.steps * np.concatenate(sizes) @ weights) * _SECONDS_PER_STEP
     refined = any(axis.refinement is not None for part in parts.values() for axis in part.scenarios.axes)
     most = "at most " if refined else ""
     about = "about " if np.any(weights > 1) else ""
@@ -47,8 +49,7 @@ def estimate(case: Case) -> list[str]:
         f"steps      {most}{about}{float(f'{steps:.3g}') if about else steps:,.0f}",
         f"tables     {most}{_bytes(tables)}",
         f"histories  {most + about + _bytes(histories) if stored else 'none'}",
-        f"time       {most or 'about '}{_time(steps * _SECONDS_PER_STEP / cpus)} on {cpus} "
-        f"CPU{'s' if cpus > 1 else ''}",
+        f"time       {most or 'about '}{_time(seconds / cpus)} on {cpus} CPU{'s' if cpus > 1 else ''}",
     ]
 
 
@@ -82,17 +83,25 @@ def _described(solver: Solver) -> list[str]:
         f"bridge     {case.bridge.length:g} m, {case.bridge.modes} modes on each beam",
     ]
     for axis in solver.scenarios.axes:
-        unit = "" if axis.units == "1" else f" {axis.units}"
-        ends = (
-            f"{axis.values[0]:g} to {axis.values[-1]:g}{unit}"
-            if len(axis) > 1
-            else f"{axis.values[0]:g}{unit}"
-        )
         count = f"{len(axis)} value{'s' if len(axis) > 1 else ''}"
         if axis.refinement is not None:
             count = f"{(len(axis) - 1) // axis.refinement.per_step + 1} to {len(axis)} values"
+        ends = "; ".join(_ends(member) for member in axis.members or (axis,))
         lines.append(f"axis       {axis.name}: {count}, {ends}")
     return lines
+
+
+def _ends(axis: Axis) -> str:
+    """From where to where an axis goes, with its unit."""
+    unit = "" if axis.units == "1" else f" {axis.units}"
+    first, *others = axis.values
+    return f"{first:g} to {others[-1]:g}{unit}" if others else f"{first:g}{unit}"
+
+
+def _coordinates(solver: Solver) -> int:
+    """How many coordinates a grid's first scenario has: the vehicle's and the modal amplitudes."""
+    system = solver.scenarios.model(0).system
+    return len(system.coordinates) + len(system.beams) * len(system.beams[0].omega)
 
 
 def _bytes(count: int) -> str:

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tbi_cli.case import Case, Consist, HslmA
-from tbi_cli.refine import resonant_speeds
 from tbi_cli.report import marks
 from tbi_cli.report.plot import Array, Curve, Mark, Points
 from tbi_cli.report.study import Study, StudyAxis
 from tbi_cli.report.table import Cell, Table
+from tbi_cli.system.resonance import resonant_speeds
 
 SIDES = ("right", "left")
 # A peak stands out if one has to go down from it by this share of the largest value to get higher.

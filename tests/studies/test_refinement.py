@@ -15,10 +15,10 @@ import xarray
 from numpy.typing import NDArray
 
 from tbi_cli.case import Case, load_case
-from tbi_cli.refine import resonant_speeds
 from tbi_cli.runner import Options, Silence, run
 from tbi_cli.shards import Shard
 from tbi_cli.store import merge
+from tbi_cli.system.resonance import resonant_speeds
 from tbi_cli.workers import Workers
 from tests.cluster.runs import content, inside, parts, start
 
