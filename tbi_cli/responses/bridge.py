@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tbi_cli.case import Bridge
 from tbi_cli.responses.channel import DERIVATIVES, Channel, Terms, derivatives
 from tbi_cli.system.assembly import System
 from tbi_cli.system.trains import SIDES
@@ -32,7 +33,7 @@ def midspan_channels(system: System) -> list[Channel]:
     return made
 
 
-def station_channels(system: System) -> list[Channel]:
+def station_channels(bridge: Bridge, system: System) -> list[Channel]:
     """Deflection, acceleration, bending moment and shear force at every station of each beam.
 
     Moment and shear are those of the forces that act on the beam: the wheels' by the influence lines of the
@@ -43,6 +44,8 @@ def station_channels(system: System) -> list[Channel]:
     made: list[Channel] = []
     nv, n, count = len(system.coordinates), len(system.beams[0].omega), len(system.stations)
     order = np.arange(1, n + 1)
+    # In words that hold for every span of a grid.
+    places = [f"{share:g} L" for share in bridge.stations.fractions] or [f"{x:g} m" for x in system.stations]
     for b, beam in enumerate(system.beams):
         rows = [nv + b * n + i for i in range(n)]
         for s, x in enumerate(system.stations):
@@ -50,7 +53,7 @@ def station_channels(system: System) -> list[Channel]:
             shape = tuple(float(value) for value in np.sin(angle))
             inertia = beam.mass_per_length * (beam.length / (order * np.pi)) ** 2 * np.sin(angle)
             slope = beam.mass_per_length * beam.length / (order * np.pi) * np.cos(angle)
-            name, place = f"{SIDES[b]}_station_{s + 1}", f"of the {SIDES[b]} beam at {x:g} m"
+            name, place = f"{SIDES[b]}_station_{s + 1}", f"of the {SIDES[b]} beam at {places[s]}"
             terms = {
                 kind: tuple(((kind, row), value) for row, value in zip(rows, shape, strict=True))
                 for kind in DERIVATIVES
@@ -87,8 +90,7 @@ def _low_passed(name: str, long_name: str, terms: Terms, beam: int, cut_off: flo
     """The low-passed acceleration beside an acceleration, where a cut-off (Hz) is given."""
     if not cut_off:
         return []
-    words = f"{long_name}, up to {cut_off:.4g} Hz"
-    return [Channel(f"{name}_low_pass", "m/s2", words, terms, low_pass=beam)]
+    return [Channel(f"{name}_low_pass", "m/s2", f"{long_name}, low-passed", terms, low_pass=beam)]
 
 
 def mode_channels(system: System) -> list[Channel]:

@@ -18,7 +18,7 @@ def channels(case: Case, system: System) -> list[Channel]:
     Of a consist, what one vehicle calls `car_body_y` is the extreme over all vehicles that have it; each
     vehicle's own is `coach_3_car_body_y`, the coaches counted from 1 at the front.
     """
-    bridge = midspan_channels(system) + station_channels(system)
+    bridge = midspan_channels(system) + station_channels(case.bridge, system)
     train = case.train
     if not isinstance(train, Consist):
         motions, forces = motion_channels(train, system), force_channels(train, system, case.gravity)
