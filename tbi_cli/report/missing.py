@@ -10,9 +10,14 @@ from tbi_cli.report.paper_figures import run_of
 from tbi_cli.report.paper_tables import TABLES
 from tbi_cli.report.study import Study
 
+_ALL = "paper/all"  # the built-in case of all studies
+
 
 def missing(drawn: set[str], tables: set[int], studies: Sequence[Study]) -> tuple[tuple[str, str], ...]:
-    """What of the paper's figures and tables is not there: (what, command), one line for each command."""
+    """What of the paper's figures and tables is not there: (what, command), one line for each command.
+
+    Studies that share no figure with the paper get a single line, with the command for everything.
+    """
     wanted: dict[str, list[str]] = {}
     for spec in catalogue():
         for case in _cases(spec, studies):
@@ -21,6 +26,9 @@ def missing(drawn: set[str], tables: set[int], studies: Sequence[Study]) -> tupl
     for table in TABLES:
         if table.number not in tables:
             wanted.setdefault(table.case, []).append(f"Table {table.number}")
+    if drawn.isdisjoint(spec.name for spec in catalogue()):
+        everything = [name for names in wanted.values() for name in names]
+        return ((_listed(list(dict.fromkeys(everything))), f"tbi run {_ALL}"),)
     return tuple((_listed(what), f"tbi run {case}") for case, what in wanted.items())
 
 
@@ -35,7 +43,7 @@ def _listed(names: Sequence[str]) -> str:
             runs.append([number])
     texts = [f"{run[0]}-{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs]
     figures = [f"Fig{'s' * (len(numbers) > 1)}. {', '.join(texts)}"] if texts else []
-    return ", ".join([*figures, *(name for name in names if not name.startswith("Fig. "))])
+    return ", ".join([*figures, *sorted(name for name in names if name.startswith("Table"))])
 
 
 def _cases(spec: FigureSpec, studies: Sequence[Study]) -> list[str]:
