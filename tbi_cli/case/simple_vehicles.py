@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import model_validator
+from pydantic import field_validator, model_validator
 
 from tbi_cli.case.fields import (
     DAMPING,
@@ -60,6 +60,17 @@ FORCE_OF_AXLE = Quantity("force, downward", FORCE, "56.4 kN", usual=(1e2, 1e7))
 POSITION_OF_AXLE = Quantity("distance behind the first force", LENGTH, "2.5 m", "not negative", (0.1, 1000))
 
 
+def _out_of_order(positions: tuple[float, ...]) -> str:
+    """What is wrong with the order of positions behind the first; nothing if they begin at 0 and rise."""
+    if positions and positions[0] != 0:
+        return f"expected the first position to be 0, got {plain_number(positions[0])}"
+    for number, (before, position) in enumerate(pairwise(positions), 2):
+        if position < before:
+            texts = plain_number(position), plain_number(before)
+            return f"expected positions in rising order, got {texts[0]} (number {number}) after {texts[1]}"
+    return ""
+
+
 class MovingLoad(Part):
     """Forces of constant size that cross the right beam."""
 
@@ -78,12 +89,16 @@ class MovingLoad(Part):
             problem = (
                 f"expected one position for each of the {len(self.forces)} forces, got {len(self.positions)}"
             )
-        elif self.positions[0] != 0:
-            problem = f"expected the first position to be 0, got {plain_number(self.positions[0])}"
-        elif any(b < a for a, b in pairwise(self.positions)):
-            problem = "expected positions in rising order"
+        problem = problem or _out_of_order(self.positions)
         if problem:
             raise BadValueError(problem)
+
+    @field_validator("positions")
+    @classmethod
+    def _in_order(cls, positions: tuple[float, ...]) -> tuple[float, ...]:
+        if problem := _out_of_order(positions):
+            raise rejected(problem)
+        return positions
 
     @model_validator(mode="after")
     def _consistent(self) -> MovingLoad:

@@ -140,11 +140,11 @@ SIMPLE = "bridge: verification-1\nvelocity: 5\n"
         ),
         (
             "{model: moving-load, forces: [1, 2], positions: [1, 2]}",
-            "train: expected the first position to be 0, got 1",
+            "train.positions: expected the first position to be 0, got 1",
         ),
         (
             "{model: moving-load, forces: [1, 2, 3], positions: [0, 2, 1]}",
-            "train: expected positions in rising order",
+            "train.positions: expected positions in rising order, got 1 (number 3) after 2",
         ),
         (
             "{model: moving-load, forces: 5}",

@@ -113,8 +113,11 @@ def test_a_csv_file_lies_beside_the_file_that_names_it(loads: Loads, folder: Pat
             "0, 1e5\n3 kN, 4\n",
             'axles.csv:2:1: train.positions.1: expected a length >= 0, e.g. "2.5 m" or 2.5, got "3 kN" ("kN" is a force)',
         ),
-        ("1, 1e5\n", "case.yaml:1:1: train: expected the first position to be 0, got 1"),
-        ("0, 1\n3, 1\n2, 1\n", "case.yaml:1:1: train: expected positions in rising order"),
+        ("1, 1e5\n", "axles.csv:1:1: train.positions: expected the first position to be 0, got 1"),
+        (
+            "0, 1\n3, 1\n2, 1\n",
+            "axles.csv:1:1: train.positions: expected positions in rising order, got 2 (number 3) after 3",
+        ),
         ("0, 1\n" * 1001, "axles.csv:1001:1: expected at most 1000 forces"),
     ],
     ids=[
@@ -173,7 +176,7 @@ def test_a_bad_train(says: Says, train: str, message: str) -> None:
         (HSLM, "track: {irregularity: {dip: {depth: 1 mm, start: 0, length: 2}}}\n", "case.yaml:6:1: track: not for an hslm-a train, whose forces do not feel the rails"),
         (HSLM, "contact: {static_load: paper}\n", "case.yaml:6:11: contact.static_load: expected physical, got paper (Eq. 13a is for full-31dof, not for hslm-a)"),
         (HSLM, "sweep:\n  train.number: [1, 11]\n", "case.yaml:7:21: sweep.train.number: expected a whole number from 1 to 10, got 11"),
-        (LOADS, "sweep:\n  train.positions.1: [2, 7]\n", "case.yaml:7:3: sweep.train.positions.1: expected positions in rising order"),
+        (LOADS, "sweep:\n  train.positions.1: [2, 7]\n", "case.yaml:7:3: sweep.train.positions.1: expected positions in rising order, got 5 (number 3) after 7"),
         (LOADS, "sweep:\n  train.positions.0: [0, 1]\n", "case.yaml:7:3: sweep.train.positions.0: expected the first position to be 0, got 1"),
         (LOADS, "sweep:\n  train.positions.3: [6, 7]\n", "case.yaml:7:3: sweep.train.positions.3: train.positions has no 3; counted from 0, there is 0 to 2"),
         (f"{{consist: [{{vehicle: {LOADS}, spacing: 30}}]}}", "sweep:\n  train.consist.0.vehicle.positions.2: [5, 31]\n", "case.yaml:7:3: sweep.train.consist.0.vehicle.positions.2: expected a spacing of more than 31 m, from the first axle to the last, got 30 m"),
