@@ -222,7 +222,8 @@ def _variables(group: h5py.Group | None, names: Sequence[str]) -> tuple[Variable
         dataset = None if group is None else safe.child_dataset(group, name)
         attributes = {} if dataset is None else safe.read_attributes(dataset)
         units, long_name = (
-            one_line(str(attributes.get(key, default))) for key, default in (("units", ""), ("long_name", name))
+            one_line(str(attributes.get(key, default)))
+            for key, default in (("units", ""), ("long_name", name))
         )
         found.append(Variable(name, units, long_name))
     return tuple(found)

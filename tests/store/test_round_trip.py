@@ -23,9 +23,11 @@ from tbi_cli.store import (
     merge,
     open_results,
 )
+from tbi_cli.store.errors import one_line
 from tests.store.example import content
 
-words = st.text(st.characters(exclude_categories=["Cs", "Cc"]), max_size=12)
+# Words are one printable line, as the program writes them; others are made so when a file is read.
+words = st.text(st.characters(exclude_categories=["Cs", "Cc"]), max_size=12).map(one_line)
 names = st.from_regex(r"[a-z][a-z0-9_]{0,12}", fullmatch=True)
 floats = st.floats(allow_nan=False, allow_infinity=False)
 
