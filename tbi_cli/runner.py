@@ -32,7 +32,7 @@ from tbi_cli.store import (
 )
 from tbi_cli.store.layout import TABLES, Scalar
 from tbi_cli.store.picked import REFINED
-from tbi_cli.studies import AnySolver, solver_of
+from tbi_cli.studies import AnySolver, kernels_of, solver_of
 from tbi_cli.workers import Workers, solve_batches
 
 
@@ -118,7 +118,7 @@ def run(
     solver = solver_of(case, halted.is_set)
     rounds = rounds_of(solver, options.shard)
     with _store(output, solver, options) as store:
-        _compile(progress)
+        _compile(progress, solver)
         run = _Run(solver, store, options, progress, halted)
         rounds.learn_stored(store.parts)
         run.all_of(rounds)
@@ -314,10 +314,10 @@ def _variables(channels: Sequence[Channel]) -> tuple[Variable, ...]:
     return tuple(Variable(c.name, c.units, c.long_name) for c in channels)
 
 
-def _compile(progress: Progress) -> None:
+def _compile(progress: Progress, solver: AnySolver) -> None:
     from tbi_cli.integrator.kernel_cache import compile_kernels
 
-    compile_kernels(progress.say)
+    compile_kernels(progress.say, kernels_of(solver))
 
 
 def this_command() -> list[str]:

@@ -37,6 +37,11 @@ class Solver:
         """The solvers of its grids by name: of a case that is one grid, itself."""
         return {"": self}
 
+    @property
+    def kernel(self) -> str:
+        """The kind of kernel that crosses its bridge."""
+        return "forces" if self.scenarios.model(0).system.constant_forces else "general"
+
     @cached_property
     def channels(self) -> tuple[Channel, ...]:
         """Every channel that any scenario has: those of the most modes and of the most coaches."""

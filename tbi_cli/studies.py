@@ -46,3 +46,8 @@ AnySolver = Solver | StudiesSolver
 def solver_of(case: Case, stopped: Callable[[], bool] = lambda: False) -> AnySolver:
     """The solver of a case, be it one grid or a union of several."""
     return StudiesSolver(case, stopped) if case.studies else Solver(case, stopped)
+
+
+def kernels_of(solver: AnySolver) -> list[str]:
+    """The kinds of kernels that a case needs."""
+    return sorted({part.kernel for part in solver.parts.values()})

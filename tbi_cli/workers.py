@@ -31,7 +31,7 @@ from tbi_cli.errors import RunFailedError, UserError
 from tbi_cli.integrator.kernel_cache import compile_kernels, fingerprint
 from tbi_cli.resources import available_cpus, available_memory
 from tbi_cli.store.records import BatchResult
-from tbi_cli.studies import AnySolver, solver_of
+from tbi_cli.studies import AnySolver, kernels_of, solver_of
 
 BACKENDS = ("threads", "processes", "dask")
 
@@ -306,8 +306,9 @@ class RemoteSolver:
 @lru_cache(maxsize=2)
 def _twin(case: bytes) -> AnySolver:
     """The solver in a worker process."""
-    compile_kernels(lambda text: None)
-    return solver_of(pickle.loads(case))
+    solver = solver_of(pickle.loads(case))
+    compile_kernels(lambda text: None, kernels_of(solver))
+    return solver
 
 
 @lru_cache

@@ -70,7 +70,7 @@ def build_batch(crossers: Sequence[Crosser], table: Sequence[int], history: Sequ
     assert np.array_equal(order, np.arange(len(order))), "wheels are listed axle by axle"
     axle_begin, axle_end = _ranges(system.wheel_axle, len(system.axle_offsets))
 
-    forces = not rows.row.size and not any(m.wheels[:, :2].any() for m in models) and len(system.beams) == 1
+    forces = all(model.system.constant_forces for model in models)
     rails = Rails([None if forces else c.rails for c in crossers])
     signals = SignalRows(models, sorted({*table, *history}))
     topology = Topology(

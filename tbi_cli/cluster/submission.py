@@ -49,10 +49,11 @@ def submit(
     SubmitError, SlurmError or StoreError, with nothing sent.
     """
     from tbi_cli.integrator.kernel_cache import compile_kernels
+    from tbi_cli.studies import kernels_of, solver_of
 
     slurm.check_here()
     _check(run, case, resume=resume, overwrite=overwrite)
-    compile_kernels(say)
+    compile_kernels(say, kernels_of(solver_of(case)))
     for folder in (run.folder, run.folder / "log", run.folder / "shards"):
         folder.mkdir(exist_ok=True)
     if overwrite:

@@ -14,7 +14,7 @@ import os
 import pickle
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
@@ -83,8 +83,8 @@ def _processor() -> str:
     return f"{llvm.get_host_cpu_name()}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"
 
 
-def compile_kernels(say: Callable[[str], None]) -> None:
-    """Makes sure that the kernels are compiled; says so first if this takes a while.
+def compile_kernels(say: Callable[[str], None], kinds: Iterable[str]) -> None:
+    """Makes sure that the kernels of some kinds are compiled; says so first if this takes a while.
 
     When several processes start at once, one compiles and the others wait for it, where the file system has
     locks.
@@ -92,30 +92,31 @@ def compile_kernels(say: Callable[[str], None]) -> None:
     import numba
 
     kept = Path(getattr(numba.config, _SETTING) or folder())
-    mark = kept / "compiled"
-    if not mark.exists():
-        with _only_one(kept / "lock"):
-            if not mark.exists():
-                say("compiling kernels, once per machine (about ten seconds)")
-                _warm_up(kept)
-                with contextlib.suppress(OSError):
-                    mark.touch()
-    _warm_up(kept)
+    for kind in kinds:
+        mark = kept / f"compiled-{kind}"
+        if not mark.exists():
+            with _only_one(kept / "lock"):
+                if not mark.exists():
+                    say("compiling kernels, once per machine (about ten seconds)")
+                    _warm_up(kept, kind)
+                    with contextlib.suppress(OSError):
+                        mark.touch()
+        _warm_up(kept, kind)
 
 
-def _warm_up(kept: Path) -> None:
-    """Compiles or loads the kernels; what is kept may be damaged, or there may be no room to keep more."""
+def _warm_up(kept: Path, kind: str) -> None:
+    """Compiles or loads kernels; what is kept may be damaged, or there may be no room to keep more."""
     from tbi_cli.integrator.warm_up import warm_up
 
     try:
-        warm_up()
+        warm_up(kind)
     except (OSError, EOFError, ValueError, pickle.PickleError):
         for file in kept.rglob("*.nb[ci]"):
             with contextlib.suppress(OSError):
                 file.unlink()
         with contextlib.suppress(OSError):
-            warm_up()
-        warm_up()  # in memory by now, even where it could not be kept
+            warm_up(kind)
+        warm_up(kind)  # in memory by now, even where it could not be kept
 
 
 @contextlib.contextmanager

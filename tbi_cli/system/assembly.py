@@ -108,6 +108,12 @@ class System:
         return np.array(self.vehicle.axle_offsets)
 
     @property
+    def constant_forces(self) -> bool:
+        """Whether all wheels are constant forces, on one beam: nothing swings but the beam."""
+        springs = self.wheel_stiffness.any() or self.wheel_damping.any() or self.wheel_rows.any()
+        return len(self.beams) == 1 and not springs
+
+    @property
     def length(self) -> float:
         """Span (m)."""
         return self.beams[0].length

@@ -15,6 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tbi_cli.batch import build_batch
+from tbi_cli.integrator.exact import advance_exactly
+from tbi_cli.integrator.forces import advance_forces
 from tbi_cli.integrator.integrate import integrate
 from tbi_cli.integrator.kernel import advance
 from tbi_cli.integrator.lanes import LANES
@@ -113,9 +115,11 @@ def _allocators(function: Any, signature: Any) -> set[str]:
 
 def test_nothing_is_allocated_in_the_step_loop() -> None:
     """The kernel calls no allocator at all; a function that does is found out."""
-    warm_up()
     assert _allocators(numba.njit(lambda n: np.zeros(n).sum()), (numba.int64,))
-    assert not _allocators(advance, advance.signatures[0])
+    for kind, kernels in {"general": [advance], "forces": [advance_forces, advance_exactly]}.items():
+        warm_up(kind)
+        for kernel in kernels:
+            assert not _allocators(kernel, kernel.signatures[0]), kernel
 
 
 def test_failed_scenarios_fail_alone() -> None:
