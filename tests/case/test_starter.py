@@ -13,7 +13,7 @@ from tbi_cli.case.yaml12 import plain, read_yaml
 from .conftest import Loads
 
 TRAINS = [builtin.name for builtin in list_builtin("train")]
-BRIDGES = ("composite-40m", "paper", "simply-supported")
+BRIDGES = ("composite-40m", "paper", "paper-fitted", "simply-supported")
 WHOLE_DECKS = ("verification-1", "verification-2", "whole-deck")
 PAIRS = [
     (train, bridge) for train in TRAINS for bridge in (WHOLE_DECKS if train.startswith("hslm") else BRIDGES)
