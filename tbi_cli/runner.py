@@ -14,6 +14,7 @@ import numpy as np
 
 from tbi_cli.case import Axis, Case
 from tbi_cli.errors import UserError
+from tbi_cli.integrator.kernel_cache import compile_kernels
 from tbi_cli.plan import Plan, PlanError, joined, make_plan
 from tbi_cli.resources import available_memory
 from tbi_cli.responses import Channel
@@ -118,7 +119,6 @@ def run(
     solver = solver_of(case, halted.is_set)
     rounds = rounds_of(solver, options.shard)
     with _store(output, solver, options) as store:
-        _compile(progress, solver)
         run = _Run(solver, store, options, progress, halted)
         rounds.learn_stored(store.parts)
         run.all_of(rounds)
@@ -150,7 +150,7 @@ class _Run:
         self._options, self._halted = options, halted
         self._solved = self._failed = self._before = self._steps = 0
         self._messages: list[str] = []
-        self._begin = time.perf_counter()
+        self._seconds = 0.0
 
     def all_of(self, rounds: Rounds) -> None:
         """Round after round until every peak is settled, or the run is halted."""
@@ -169,6 +169,9 @@ class _Run:
     def _round(self, plan: Plan, kept: Mask, rounds: Rounds) -> None:
         """Solves the batches of a plan; what is not to be kept (n,) is for the rounds alone."""
         solver, store, progress = self.solver, self.store, self.progress
+        if plan.batches:
+            compile_kernels(progress.say, kernels_of(solver))
+        begin = time.perf_counter()
         before = int(store.done()[kept].sum())
         progress.start(int(kept.sum()), int(plan.steps.sum()), before)
         self._before, self._steps = self._before + before, self._steps + int(plan.steps.sum())
@@ -193,6 +196,7 @@ class _Run:
         finally:
             results.close()
             progress.end()
+        self._seconds += time.perf_counter() - begin
         self._solved += solved
         self.left = int(kept.sum()) - before - solved
 
@@ -205,7 +209,7 @@ class _Run:
             failed=self._failed,
             left=self.left,
             steps=self._steps,
-            seconds=time.perf_counter() - self._begin,
+            seconds=self._seconds,
             messages=tuple(self._messages),
         )
 
@@ -312,12 +316,6 @@ def check_memory(layouts: Sequence[Layout]) -> None:
 
 def _variables(channels: Sequence[Channel]) -> tuple[Variable, ...]:
     return tuple(Variable(c.name, c.units, c.long_name) for c in channels)
-
-
-def _compile(progress: Progress, solver: AnySolver) -> None:
-    from tbi_cli.integrator.kernel_cache import compile_kernels
-
-    compile_kernels(progress.say, kernels_of(solver))
 
 
 def this_command() -> list[str]:
