@@ -25,7 +25,7 @@ _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, 
 _ONLY_SMALLER = ("m", "m/s2", "s", "rad", "rad/s2", "rad/s")
 _BOTH_WAYS = ("N", "Pa", "N/m", "N s/m", "N s/m^2", "N m", "Hz")
 _IN_TONNES = {"kg": "t", "kg/m": "t/m", "kg m^2": "t m²"}
-_SYMBOL = re.compile(r"(?<![\w/.-])(?:[A-Za-z]|mu|[A-Za-z]+_[A-Za-z0-9]+)(?![\w/])")
+_SYMBOL = re.compile(r"(?<![\w/.\\-])(?:[A-Za-z]|mu|[A-Za-z]+_[A-Za-z0-9]+)(?![\w/])")
 _ARTICLE = "a"
 
 
