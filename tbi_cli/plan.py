@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tbi_cli.errors import UserError
-from tbi_cli.integrator.lanes import LANES
+from tbi_cli.integrator.arrays import LANES
 from tbi_cli.scenarios import Scenarios
 from tbi_cli.shards import deal
 from tbi_cli.timegrid import TimeGridError, time_grid

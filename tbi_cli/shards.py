@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tbi_cli.errors import UserError
-from tbi_cli.integrator.lanes import LANES
+from tbi_cli.integrator.arrays import LANES
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ import time
 import numpy as np
 from numba import njit
 
-from tbi_cli.integrator.lanes import LANES, fma, lane_zeros, load, store
+from tbi_cli.integrator.arrays import LANES, lane_zeros
+from tbi_cli.integrator.lanes import fma, load, store
 
 _CHAINS, _ROUNDS = 12, 2_000_000
 

@@ -13,6 +13,7 @@ from tbi_cli.batch.low_pass import low_pass_filters
 from tbi_cli.batch.model import Model
 from tbi_cli.batch.rails import Rails
 from tbi_cli.batch.rows import SignalRows
+from tbi_cli.integrator import kernel_cache
 from tbi_cli.integrator.arrays import Crossing, Topology
 from tbi_cli.timegrid import TimeGrid
 from tbi_cli.track import RailProfile
@@ -148,13 +149,12 @@ def _modes(crossers: Sequence[Crosser]) -> NDArray[np.float64]:
 
 def _one_interval(crossers: Sequence[Crosser]) -> NDArray[np.float64]:
     """What the exact solution needs to know of each mode of the (one) beam and of each scenario."""
-    from tbi_cli.integrator.exact import one_interval
-
     modes = _modes(crossers)
     stiffness, damping = modes[::2].copy(), modes[1::2].copy()
     pace = np.array([np.pi * c.velocity / c.model.system.length for c in crossers])
     found = np.empty((8 * len(stiffness), len(crossers)))
-    one_interval(stiffness, damping, pace, np.array([c.grid.sampling for c in crossers]), found)
+    interval = np.array([c.grid.sampling for c in crossers])
+    kernel_cache.call("one_interval", stiffness, damping, pace, interval, found)(len(stiffness))
     return found
 
 

@@ -11,15 +11,19 @@ with `n_dof` rows for each of x, x', x'' (the vehicle's coordinates, then the mo
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.integrator.lanes import LANES, lane_zeros
+LANES = 8
 
-Index = NDArray[np.int64]
-Lanes = NDArray[np.float64]
+# Arrays of kernels, with their type and number of axes.
+Index = Annotated[NDArray[np.int64], np.int64, 1]
+Vector = Annotated[NDArray[np.float64], np.float64, 1]
+Lanes = Annotated[NDArray[np.float64], np.float64, 2]
+History = Annotated[NDArray[np.float64], np.float64, 3]  # sample, channel kept, lane
+Cubics = Annotated[NDArray[np.float64], np.float64, 4]
 
 
 class Topology(NamedTuple):
@@ -90,9 +94,18 @@ class Work(NamedTuple):
     standing: Index  # per lane, the first force that stands on the bridge; per lane, the first behind these
     filter: Lanes  # per low-passed signal and biquad: its two states
     rail: Lanes  # by instant and wheel: r, v r', v^2 r''
-    cubics: NDArray[np.float64]  # level of the rails: profile, rail, interval, power; constant at the ends
+    cubics: Cubics  # level of the rails: profile, rail, interval, power; constant at the ends
     step: Lanes  # number of the step about to be taken, per lane
     reduced: Lanes  # per channel: sum of squares, max, min, step of max, step of min
+
+
+def lane_zeros(*shape: int) -> NDArray[np.float64]:
+    """Zeros of shape (*shape, LANES) aligned to a cache line, so that no vector straddles two."""
+    n = int(np.prod(shape, dtype=np.int64)) * LANES * 8
+    raw = np.zeros(n + 64, dtype=np.uint8)
+    start = -raw.ctypes.data % 64
+    aligned: NDArray[np.float64] = raw[start : start + n].view(np.float64)
+    return aligned.reshape(*shape, LANES)
 
 
 LEVEL_RAILS = np.zeros((1, 2, 1, 4))

@@ -18,12 +18,10 @@ from __future__ import annotations
 from math import ceil, floor, inf, pi
 from typing import Any
 
-from numba import njit
-
-from tbi_cli.integrator.arrays import Crossing, Topology, Work
+from tbi_cli.integrator.arrays import LANES, Crossing, History, Lanes, Topology, Vector, Work
 from tbi_cli.integrator.forces import changes_due, stand, waves
 from tbi_cli.integrator.kernel import record
-from tbi_cli.integrator.lanes import LANES, flush_subnormals, fma, load, splat, store
+from tbi_cli.integrator.lanes import flush_subnormals, fma, inlined, load, splat, store, subroutine
 from tbi_cli.integrator.sampling import take_sample
 from tbi_cli.integrator.shapes import axles_on
 
@@ -33,7 +31,7 @@ _POWERS = 20
 _LARGEST = 1.0
 
 
-@njit(nogil=True)
+@subroutine
 def _oscillate(
     q: float, rate: float, s: float, c: float, stiffness: float, damping: float, pace: float, time: float
 ) -> Any:
@@ -62,7 +60,7 @@ def _oscillate(
     return q, rate
 
 
-@njit(forceinline=True)
+@inlined
 def _turned(s: float, c: float, angle: float) -> Any:
     """(s cos + c sin, c cos - s sin) of an angle of at most one radian, by its series."""
     sine = term = angle
@@ -75,14 +73,16 @@ def _turned(s: float, c: float, angle: float) -> Any:
     return s * cosine + c * sine, c * cosine - s * sine
 
 
-@njit(nogil=True, cache=True)
-def one_interval(stiffness: Any, damping: Any, pace: Any, interval: Any, found: Any) -> None:
-    """E, a and b of every mode of every scenario, with the stiffness and damping of the mode.
+@inlined
+def one_interval(
+    stiffness: Lanes, damping: Lanes, pace: Vector, interval: Vector, found: Lanes, modes: int
+) -> None:
+    """E, a and b of the first modes of every scenario, with the stiffness and damping of the mode.
 
     stiffness, damping (modes, scenarios); pace p and interval h (scenarios); found (8 modes, scenarios):
     rows E11, E12, E21, E22, a1, a2, b1, b2 of each mode.
     """
-    for i in range(stiffness.shape[0]):
+    for i in range(modes):
         for m in range(stiffness.shape[1]):
             w, d, p, h = stiffness[i, m], damping[i, m], (i + 1) * pace[m], interval[m]
             for column, start in enumerate(((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0))):
@@ -92,7 +92,7 @@ def one_interval(stiffness: Any, damping: Any, pace: Any, interval: Any, found: 
             found[8 * i + 6, m], found[8 * i + 7, m] = _oscillate(0.0, 0.0, 0.0, 1.0, w, d, p, h)
 
 
-@njit(nogil=True)
+@subroutine
 def _change_forces(topology: Any, crossing: Any, work: Any) -> None:
     """A and B at the start of the interval, in the lanes where they change, and what events within it add."""
     n, axles = topology.n_modes, topology.axle_wheel_begin.size
@@ -126,7 +126,7 @@ def _change_forces(topology: Any, crossing: Any, work: Any) -> None:
         work.due[0, lane] = due
 
 
-@njit(forceinline=True)
+@inlined
 def _start(topology: Any, crossing: Any, work: Any, lane: int, k: int, share: float, leaves: bool) -> None:
     """Adds what a force does that enters or leaves when a share of the interval is left."""
     n = topology.n_modes
@@ -143,8 +143,10 @@ def _start(topology: Any, crossing: Any, work: Any, lane: int, k: int, share: fl
         sign = -sign
 
 
-@njit(nogil=True, cache=True)
-def advance_exactly(topology: Topology, crossing: Crossing, work: Work, samples: int, history: Any) -> None:
+@inlined
+def advance_exactly(
+    topology: Topology, crossing: Crossing, work: Work, history: History, samples: int
+) -> None:
     """Takes `samples` samples of every lane, as `tbi_cli.integrator.kernel.advance` does, in closed form."""
     flush_subnormals(True)
     n = topology.n_modes

@@ -10,11 +10,19 @@ from __future__ import annotations
 from math import floor, inf, pi, sin
 from typing import Any
 
-from numba import njit
-
-from tbi_cli.integrator.arrays import Crossing, Topology, Work
+from tbi_cli.integrator.arrays import LANES, Crossing, History, Topology, Work
 from tbi_cli.integrator.kernel import record
-from tbi_cli.integrator.lanes import LANES, any_lane, at_least, flush_subnormals, fma, load, splat, store
+from tbi_cli.integrator.lanes import (
+    any_lane,
+    at_least,
+    flush_subnormals,
+    fma,
+    inlined,
+    load,
+    splat,
+    store,
+    subroutine,
+)
 from tbi_cli.integrator.sampling import take_sample
 from tbi_cli.integrator.shapes import axles_on, multiples, sin_cos_pi
 
@@ -23,7 +31,7 @@ from tbi_cli.integrator.shapes import axles_on, multiples, sin_cos_pi
 _EXTRA = 2
 
 
-@njit(forceinline=True)
+@inlined
 def waves(topology: Any, crossing: Any, work: Any, j: Any, slot: int) -> None:
     """sin(i pi v t/L) and cos(i pi v t/L), j steps after the start, into a slot."""
     t = j * load(crossing.scale, 0)
@@ -31,7 +39,7 @@ def waves(topology: Any, crossing: Any, work: Any, j: Any, slot: int) -> None:
     multiples(topology, work, slot * topology.n_modes, sine, cosine)
 
 
-@njit(forceinline=True)
+@inlined
 def _push(topology: Any, work: Any, i: int, instant: int, slot: int) -> Any:
     """What the forces add to the acceleration of mode i at an instant of the step."""
     n = topology.n_modes
@@ -40,14 +48,14 @@ def _push(topology: Any, work: Any, i: int, instant: int, slot: int) -> Any:
     return fma(load(work.force, i), s, fma(load(work.force, n + i), c, more))
 
 
-@njit(forceinline=True)
+@inlined
 def changes_due(work: Any, j: Any) -> Any:
     """Whether the forces on the bridge change in any lane at step j; keeps the number of the step."""
     store(work.due, 1, j)
     return any_lane(at_least(j, load(work.due, 0)))
 
 
-@njit(forceinline=True)
+@inlined
 def stand(topology: Any, crossing: Any, work: Any, lane: int, first: int, behind: int) -> None:
     """Sets A and B of a lane to those of the forces from `first` to before `behind`."""
     n = topology.n_modes
@@ -64,7 +72,7 @@ def stand(topology: Any, crossing: Any, work: Any, lane: int, first: int, behind
             c_before, c = c, 2.0 * c1 * c - c_before
 
 
-@njit(nogil=True)
+@subroutine
 def _change_forces(topology: Any, crossing: Any, work: Any) -> None:
     """What stands on the bridge during the step, in the lanes where that changes with it.
 
@@ -102,7 +110,7 @@ def _change_forces(topology: Any, crossing: Any, work: Any) -> None:
         work.due[0, lane] = due
 
 
-@njit(forceinline=True)
+@inlined
 def _enter_or_leave(topology: Any, crossing: Any, work: Any, lane: int, k: int, j: float) -> None:
     n = topology.n_modes
     entry, exit_ = crossing.axle[5 * k + 2, lane], crossing.axle[5 * k + 3, lane]
@@ -121,7 +129,7 @@ def _enter_or_leave(topology: Any, crossing: Any, work: Any, lane: int, k: int, 
             work.force[(_EXTRA + 2) * n + i, lane] += force * sin(wave * (j + 1 - entry) * pace)
 
 
-@njit(forceinline=True)
+@inlined
 def _step(topology: Any, crossing: Any, work: Any, i: int, start: int, keep: bool) -> None:
     """A Runge-Kutta step of mode i, which no other feels; keeps its motion at the start if wanted."""
     n = topology.n_modes
@@ -147,9 +155,9 @@ def _step(topology: Any, crossing: Any, work: Any, i: int, start: int, keep: boo
     store(work.state, n + i, fma(sixth, (a1 + a4) + (inner + inner), v))
 
 
-@njit(nogil=True, cache=True)
+@inlined
 def advance_forces(
-    topology: Topology, crossing: Crossing, work: Work, samples: int, substeps: int, history: Any
+    topology: Topology, crossing: Crossing, work: Work, substeps: int, history: History, samples: int
 ) -> None:
     """What `tbi_cli.integrator.kernel.advance` does, for trains of constant forces on one beam."""
     flush_subnormals(True)

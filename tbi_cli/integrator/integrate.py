@@ -8,11 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.integrator.arrays import LEVEL_RAILS, Crossing, Topology, work_space
-from tbi_cli.integrator.exact import advance_exactly
-from tbi_cli.integrator.forces import advance_forces
-from tbi_cli.integrator.kernel import advance
-from tbi_cli.integrator.lanes import LANES, lane_zeros
+from tbi_cli.integrator import kernel_cache
+from tbi_cli.integrator.arrays import LANES, LEVEL_RAILS, Crossing, Topology, Work, lane_zeros, work_space
+from tbi_cli.integrator.kernels import Call
 
 # Steps in one call of the kernel: some tens of milliseconds, after which a stop is noticed.
 _STEPS_PER_CALL = 16384
@@ -74,18 +72,14 @@ def integrate(
         for rows, values in zip(lanes, crossing, strict=True):
             rows[:] = values[:, filled]
         work = work_space(topology, cubics)
+        advance = _kernel(topology, lanes, work, substeps, record)
         taken, ending = 0, last[group] + 1
         busy = np.ones(len(group), dtype=bool)
         while busy.any():
             if stopped():
                 raise StoppedError
             samples = min(int(ending[busy].min()) - taken, most)
-            if len(crossing.exact):
-                advance_exactly(topology, lanes, work, samples, record[:samples])
-            elif topology.forces:
-                advance_forces(topology, lanes, work, samples, substeps, record[:samples])
-            else:
-                advance(topology, lanes, work, samples, substeps, record[:samples])
+            advance(samples)
             result.kernel_calls += 1
             finite = np.asarray(np.isfinite(work.state).all(axis=0))
             for lane in np.flatnonzero(busy).tolist():
@@ -108,6 +102,16 @@ def integrate(
                 busy[lane] = False
             taken = taken + samples
     return result
+
+
+def _kernel(
+    topology: Topology, crossing: Crossing, work: Work, substeps: int, record: NDArray[np.float64]
+) -> Call:
+    """What takes so many samples of these lanes."""
+    if len(crossing.exact):
+        return kernel_cache.call("advance_exactly", topology, crossing, work, record)
+    name = "advance_forces" if topology.forces else "advance"
+    return kernel_cache.call(name, topology, crossing, work, substeps, record)
 
 
 def _keep(history: NDArray[np.float64], samples: NDArray[np.float64], first: int, every: int) -> None:

@@ -20,16 +20,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
-from tbi_cli.integrator.arrays import Crossing, Topology, Work
-from tbi_cli.integrator.lanes import flush_subnormals, fma, item, load, splat, store
+from tbi_cli.integrator.arrays import Crossing, History, Topology, Work
+from tbi_cli.integrator.lanes import flush_subnormals, fma, inlined, item, load, splat, store
 from tbi_cli.integrator.sampling import take_sample
 from tbi_cli.integrator.shapes import axles_on, mode_shapes
 from tbi_cli.integrator.wheels import carry_rails, contact, rails
 
 
-@njit(forceinline=True)
+@inlined
 def free_accelerations(topology: Any, crossing: Any, work: Any, out: int) -> None:
     """x'' = A (x, x') for all coordinates, the wheels on rigid track."""
     for row in range(topology.term_begin.size):
@@ -41,7 +39,7 @@ def free_accelerations(topology: Any, crossing: Any, work: Any, out: int) -> Non
         store(work.signal, out + item(topology.term_row, row), total)
 
 
-@njit(forceinline=True)
+@inlined
 def next_stage(work: Any, nd: int, a: int, factor: Any) -> None:
     """Moves the signal to where the next stage is evaluated: x0 + factor v, v0 + factor a."""
     for i in range(nd):
@@ -50,7 +48,7 @@ def next_stage(work: Any, nd: int, a: int, factor: Any) -> None:
         store(work.signal, nd + i, fma(factor, load(work.signal, a + i), load(work.state, nd + i)))
 
 
-@njit(forceinline=True)
+@inlined
 def end_step(work: Any, nd: int, later: int, h: Any, sixth: Any, square_sixth: Any) -> None:
     """x += h v + h^2/6 (a1 + a2 + a3), v += h/6 (a1 + 2 a2 + 2 a3 + a4): Eq. (27) for x'' = a(x, v)."""
     for i in range(nd):
@@ -65,7 +63,7 @@ def end_step(work: Any, nd: int, later: int, h: Any, sixth: Any, square_sixth: A
         store(work.signal, nd + i, v)
 
 
-@njit(forceinline=True)
+@inlined
 def record(topology: Any, work: Any, history: Any, sample: int) -> None:
     """Keeps the channels of a sample in the history, which may have no length."""
     if history.shape[0] > 0:
@@ -74,13 +72,13 @@ def record(topology: Any, work: Any, history: Any, sample: int) -> None:
             store(history, sample * topology.history.size + c, y)
 
 
-@njit(nogil=True, cache=True)
+@inlined
 def advance(
-    topology: Topology, crossing: Crossing, work: Work, samples: int, substeps: int, history: Any
+    topology: Topology, crossing: Crossing, work: Work, substeps: int, history: History, samples: int
 ) -> None:
     """Takes `samples` samples of every lane, each followed by `substeps` Runge-Kutta steps.
 
-    `history` has shape (samples, channels kept, LANES) and is filled where its length is not zero.
+    `history`, shape (at least samples, channels kept, LANES), is filled where its length is not zero.
     """
     flush_subnormals(True)
     nd = topology.term_begin.size

@@ -13,18 +13,21 @@ import operator
 import platform
 from typing import Any
 
-import numpy as np
 from llvmlite import ir
-from numba import types
+from numba import njit, types
 from numba.core import cgutils, extending
 from numba.core.datamodel import models
 from numba.core.extending import overload, register_model
-from numpy.typing import NDArray
 
-LANES = 8
+from tbi_cli.integrator.arrays import LANES
 
 # Numba types an intrinsic by what its maker takes, not by what its caller gives.
 intrinsic: Any = extending.intrinsic
+
+# What kernels are made of.  Nothing in them owns memory, so numba need not count references to it.
+UNCOUNTED: Any = {"_nrt": False}
+inlined: Any = njit(forceinline=True, **UNCOUNTED)
+subroutine: Any = njit(**UNCOUNTED)
 
 _DOUBLE = ir.DoubleType()
 _VECTOR = ir.VectorType(_DOUBLE, LANES)
@@ -55,15 +58,6 @@ class _LaneVectorModel(models.PrimitiveModel):
 class _LaneMaskModel(models.PrimitiveModel):
     def __init__(self, dmm: Any, fe_type: Any) -> None:
         super().__init__(dmm, fe_type, _BITS)
-
-
-def lane_zeros(*shape: int) -> NDArray[np.float64]:
-    """Zeros of shape (*shape, LANES) aligned to a cache line, so that no vector straddles two."""
-    n = int(np.prod(shape, dtype=np.int64)) * LANES * 8
-    raw = np.zeros(n + 64, dtype=np.uint8)
-    start = -raw.ctypes.data % 64
-    aligned: NDArray[np.float64] = raw[start : start + n].view(np.float64)
-    return aligned.reshape(*shape, LANES)
 
 
 def _row_pointer(context: Any, builder: Any, array_type: Any, array: Any, row: Any) -> Any:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
 from tbi_cli.integrator.lanes import (
     any_lane,
     either,
     fma,
     greater,
+    inlined,
     item,
     less,
     load,
@@ -21,7 +20,7 @@ from tbi_cli.integrator.lanes import (
 from tbi_cli.integrator.wheels import wheel_signals
 
 
-@njit(forceinline=True)
+@inlined
 def take_sample(topology: Any, crossing: Any, work: Any, j: Any) -> None:
     """Forms every channel at the start of step j and takes its reductions.
 
@@ -51,7 +50,7 @@ def take_sample(topology: Any, crossing: Any, work: Any, j: Any) -> None:
             store(work.reduced, 5 * c + 4, select(below, j, load(work.reduced, 5 * c + 4)))
 
 
-@njit(forceinline=True)
+@inlined
 def _static_signals(topology: Any, crossing: Any, work: Any, j: Any) -> None:
     """Bending moment over L and shear force that the wheels' forces would cause at rest, at every station.
 
@@ -81,7 +80,7 @@ def _static_signals(topology: Any, crossing: Any, work: Any, j: Any) -> None:
                 store(work.signal, row + 2 * s + 1, fma(force, shear, load(work.signal, row + 2 * s + 1)))
 
 
-@njit(forceinline=True)
+@inlined
 def _low_pass(topology: Any, crossing: Any, work: Any, f: int) -> None:
     """One sample of a Butterworth filter of fourth order: two biquads, transposed direct form II."""
     y = load(work.signal, item(topology.filter_col, f))

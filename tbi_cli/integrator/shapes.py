@@ -8,8 +8,6 @@ from __future__ import annotations
 from math import factorial, pi
 from typing import Any
 
-from numba import njit
-
 from tbi_cli.integrator.lanes import (
     any_lane,
     at_least,
@@ -17,6 +15,7 @@ from tbi_cli.integrator.lanes import (
     either,
     fma,
     greater,
+    inlined,
     item,
     less,
     load,
@@ -31,7 +30,7 @@ _SIN_PI = tuple((-1) ** i * pi ** (2 * i + 1) / factorial(2 * i + 1) for i in ra
 _COS_PI = tuple((-1) ** i * pi ** (2 * i) / factorial(2 * i) for i in range(12))
 
 
-@njit(forceinline=True)
+@inlined
 def sin_cos_pi(u: Any) -> Any:
     """sin(pi u) and cos(pi u) of a lane vector."""
     m = nearest_integer(u)
@@ -48,7 +47,7 @@ def sin_cos_pi(u: Any) -> Any:
     return sign * sine * r, sign * cosine
 
 
-@njit(forceinline=True)
+@inlined
 def axles_on(topology: Any, crossing: Any, work: Any, j: Any) -> Any:
     """Marks the axles that any lane has on its bridge at the start of step j or during it.
 
@@ -99,7 +98,7 @@ def axles_on(topology: Any, crossing: Any, work: Any, j: Any) -> Any:
     return found, only_at_start
 
 
-@njit(forceinline=True)
+@inlined
 def mode_shapes(topology: Any, crossing: Any, work: Any, j: Any, instant: int) -> None:
     """sin(i pi xi/L) and cos(i pi xi/L) under every active axle, j steps after the start.
 
@@ -132,7 +131,7 @@ def mode_shapes(topology: Any, crossing: Any, work: Any, j: Any, instant: int) -
                 store(work.cosine, i, cosine_factor * load(work.cosine, i))
 
 
-@njit(forceinline=True)
+@inlined
 def multiples(topology: Any, work: Any, row: int, sine: Any, cosine: Any) -> None:
     """sin and cos of the multiples of an angle, from its own, by Chebyshev's recurrence."""
     double = cosine + cosine

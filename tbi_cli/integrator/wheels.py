@@ -7,12 +7,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
-from tbi_cli.integrator.lanes import floor, fma, gather_four, item, less, load, select, splat, store
+from tbi_cli.integrator.lanes import floor, fma, gather_four, inlined, item, less, load, select, splat, store
 
 
-@njit(forceinline=True)
+@inlined
 def rails(topology: Any, crossing: Any, work: Any, j: Any, instant: int) -> None:
     """Level r of the rail under every wheel, with v r' and v^2 r'', j steps after the start."""
     wheels, intervals = topology.wheel_mode.size, work.cubics.shape[2]
@@ -35,7 +33,7 @@ def rails(topology: Any, crossing: Any, work: Any, j: Any, instant: int) -> None
             store(work.rail, row + 2, pace * pace * fma(f, thrice + thrice, twice))
 
 
-@njit(forceinline=True)
+@inlined
 def carry_rails(topology: Any, work: Any) -> None:
     """The rails at the end of a step are those at the start of the next."""
     rows = 3 * topology.wheel_mode.size
@@ -43,7 +41,7 @@ def carry_rails(topology: Any, work: Any) -> None:
         store(work.rail, row, load(work.rail, 2 * rows + row))
 
 
-@njit(forceinline=True)
+@inlined
 def _free_tension(topology: Any, crossing: Any, work: Any, wheel: int) -> Any:
     """P of a wheel on rigid track: k g x + c g x'."""
     nd = topology.term_begin.size
@@ -55,7 +53,7 @@ def _free_tension(topology: Any, crossing: Any, work: Any, wheel: int) -> Any:
     return fma(load(crossing.wheel, 4 * wheel), stretch, load(crossing.wheel, 4 * wheel + 1) * rate)
 
 
-@njit(forceinline=True)
+@inlined
 def contact(
     topology: Any, crossing: Any, work: Any, axle: int, instant: int, during: int, last: bool, out: int
 ) -> None:
@@ -106,7 +104,7 @@ def contact(
                 store(work.signal, row, fma(load(work.sine, shape + i), force, load(work.signal, row)))
 
 
-@njit(forceinline=True)
+@inlined
 def wheel_signals(topology: Any, crossing: Any, work: Any, axle: int) -> None:
     """P; the level of the rail under the wheel with its total derivatives w, w', w''."""
     n, nd, wheels = topology.n_modes, topology.term_begin.size, topology.wheel_mode.size

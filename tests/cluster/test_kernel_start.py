@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import subprocess
 from pathlib import Path
 
+from tbi_cli.integrator.kernel_cache import fingerprint
+from tbi_cli.integrator.native import processor
 from tests.cli.commands import tbi
 from tests.cluster.runs import command, content
 
@@ -31,8 +34,32 @@ def test_eight_processes_with_an_empty_cache(folder: Path) -> None:
         assert (process.returncode, err) == (0, b"")
     first = content(folder / "0.h5")
     assert all(content(folder / f"{number}.h5") == first for number in range(1, 8))
-    kernels = sorted(file.name.split("-")[0] for file in cache.rglob("*.nbc"))
-    assert kernels == ["kernel.advance"], "those that the case needs, each compiled once"
+    kept = sorted(file.name for file in cache.rglob("*") if file.is_file())
+    assert kept == ["advance", "lock"], "the kernel that the case needs, and nothing half-written"
+
+
+def test_a_damaged_kernel(folder: Path) -> None:
+    """What is not what was compiled is compiled anew, not run."""
+    kernel = folder / "cache" / "kernels" / fingerprint() / processor() / "advance"
+    kernel.parent.mkdir(parents=True)
+    kernel.write_bytes(bytes(32) + b"\x7fELF" * 1000)
+    ended = tbi("run", "case.yaml", *FEW, folder=folder, TBI_CACHE_DIR=str(folder / "cache"))
+    assert (ended.code, ended.err) == (0, "")
+    healed = kernel.read_bytes()
+    assert hashlib.sha256(healed[32:]).digest() == healed[:32]
+
+
+def test_a_temporary_folder_that_anyone_can_write_to(folder: Path) -> None:
+    """Code of strangers is not run: nothing is read from there, and nothing kept."""
+    (folder / "occupied").write_text("")
+    open_to_all = folder / f"tbi-{os.getuid()}"
+    open_to_all.mkdir()
+    open_to_all.chmod(0o777)
+    occupied = str(folder / "occupied")
+    places = {"TBI_CACHE_DIR": occupied, "XDG_CACHE_HOME": occupied, "TMPDIR": str(folder)}
+    ended = tbi("run", "case.yaml", *FEW, folder=folder, **places)
+    assert (ended.code, ended.err) == (0, "")
+    assert not list(open_to_all.iterdir())
 
 
 def test_a_cache_that_cannot_be_written(folder: Path) -> None:

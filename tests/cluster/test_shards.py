@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from tbi_cli.case import Case, load_case
 from tbi_cli.errors import UserError
-from tbi_cli.integrator.lanes import LANES
+from tbi_cli.integrator.arrays import LANES
 from tbi_cli.runner import Options, plan_of, rounds_of, run
 from tbi_cli.shards import Shard, deal
 from tbi_cli.solve import Solver

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from tbi_cli.batch import Crosser, build_batch
 from tbi_cli.case import Case
+from tbi_cli.integrator.arrays import LANES
 from tbi_cli.integrator.integrate import integrate
-from tbi_cli.integrator.lanes import LANES
 from tbi_cli.scenarios import make_model
 from tbi_cli.solve import Solver
 from tbi_cli.timegrid import TimeGrid, time_grid

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numba
@@ -15,12 +13,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tbi_cli.batch import build_batch
-from tbi_cli.integrator.exact import advance_exactly
-from tbi_cli.integrator.forces import advance_forces
+from tbi_cli.integrator.arrays import LANES, Vector
 from tbi_cli.integrator.integrate import integrate
-from tbi_cli.integrator.kernel import advance
-from tbi_cli.integrator.lanes import LANES
-from tbi_cli.integrator.warm_up import warm_up
+from tbi_cli.integrator.kernel_cache import call
+from tbi_cli.integrator.kernels import KERNELS
+from tbi_cli.integrator.machine_code import compiled, module
 from tbi_cli.runner import Options, run
 from tbi_cli.solve import Solver
 from tbi_cli.workers import Workers
@@ -104,22 +101,24 @@ def test_kernel_calls_of_a_grid() -> None:
     assert batch.last.sum() > 70_000
 
 
-def _allocators(function: Any, signature: Any) -> set[str]:
-    """Names of numba's allocating functions that the machine code of a compiled function calls."""
-    # What comes out of the cache cannot be inspected: compile here and now.
-    fresh = type(function)(function.py_func, locals={}, targetoptions=function.targetoptions)
-    fresh.compile(signature)
-    code = fresh.inspect_llvm(fresh.signatures[0])
-    return {name for name in re.findall(r"call [^@\n]*@([\w.]+)\(", code) if "alloc" in name.lower()}
-
-
 def test_nothing_is_allocated_in_the_step_loop() -> None:
-    """The kernel calls no allocator at all; a function that does is found out."""
-    assert _allocators(numba.njit(lambda n: np.zeros(n).sum()), (numba.int64,))
-    for kind, kernels in {"general": [advance], "forces": [advance_forces, advance_exactly]}.items():
-        warm_up(kind)
-        for kernel in kernels:
-            assert not _allocators(kernel, kernel.signatures[0]), kernel
+    """A kernel that allocates cannot be compiled; those that there are call LLVM's intrinsics alone."""
+    with pytest.raises(numba.TypingError, match="empty"):
+        compiled("allocates", numba.njit(lambda a, n: np.zeros(n).sum()), (Vector,))
+    for name in KERNELS:
+        called = {function.name for function in module(name).functions if function.is_declaration}
+        assert called
+        assert all(callee.startswith("llvm.") for callee in called), called
+
+
+def test_a_kernel_refuses_arrays_that_are_not_its_own() -> None:
+    """It has their addresses alone: type, axes and order are checked before."""
+    table, vector = np.zeros((4, 3)), np.zeros(3)
+    for wrong in (vector, table.astype(np.float32), np.asfortranarray(table), table[:, ::2]):
+        with pytest.raises(TypeError, match="contiguous array of 2 axes of float64"):
+            call("one_interval", wrong, table, vector, vector, table)
+    with pytest.raises(ValueError, match="shorter"):
+        call("one_interval", table, table, vector, vector)
 
 
 def test_failed_scenarios_fail_alone() -> None:

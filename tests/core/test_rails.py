@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from tbi_cli.case import Case, load_case
-from tbi_cli.integrator.lanes import LANES
+from tbi_cli.integrator.arrays import LANES
 from tbi_cli.runner import Options, run
 from tbi_cli.shards import Shard
 from tbi_cli.solve import Solver
