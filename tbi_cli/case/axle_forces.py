@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from tbi_cli.case.fields import Text, Whole
 from tbi_cli.case.part import Part
-from tbi_cli.case.simple_vehicles import FORCE_OF_AXLE, POSITION_OF_AXLE, MovingLoad
+from tbi_cli.case.simple_vehicles import Forces, MovingLoad, Positions
 
 
 class AxleForces(MovingLoad):
@@ -17,8 +17,8 @@ class AxleForces(MovingLoad):
     """
 
     model: Literal["axle-forces"]  # type: ignore[assignment]
-    forces: tuple[Annotated[float, FORCE_OF_AXLE], ...]
-    positions: tuple[Annotated[float, POSITION_OF_AXLE], ...]
+    forces: Forces
+    positions: Positions
     csv: Annotated[str, Text("CSV file beside this one: positions and forces", 1000)] | None = None
 
 

@@ -17,6 +17,7 @@ from tbi_cli.case.fields import (
     RATIO,
     Quantity,
     Whole,
+    at_most,
     rejected,
 )
 from tbi_cli.case.part import Part
@@ -123,27 +124,21 @@ class Beam(Part):
         return self.damping.value / (2 * self.mass_per_length * omega_1)
 
 
+_POSITION = Quantity("distance from the beginning of the span", LENGTH, "12.5 m", "not negative", (0, 300))
+_FRACTION = Quantity("share of the span", RATIO, "25 %", "not negative", largest=1)
+
+
 class Stations(Part):
     """Where the beams are looked at besides mid-span: positions, or fractions of the span."""
 
-    positions: tuple[
-        Annotated[
-            float,
-            Quantity("distance from the beginning of the span", LENGTH, "12.5 m", "not negative", (0, 300)),
-        ],
-        ...,
-    ] = ()
-    fractions: tuple[
-        Annotated[float, Quantity("share of the span", RATIO, "25 %", "not negative", largest=1)], ...
-    ] = ()
+    positions: Annotated[tuple[Annotated[float, _POSITION], ...], at_most(MOST_STATIONS)] = ()
+    fractions: Annotated[tuple[Annotated[float, _FRACTION], ...], at_most(MOST_STATIONS)] = ()
 
     @model_validator(mode="after")
     def _one_list(self) -> Stations:
         given = self.positions or self.fractions
         if not given or (self.positions and self.fractions):
             raise rejected("expected a list of positions, or {fractions: [...]}, and at least one of them")
-        if len(given) > MOST_STATIONS:
-            raise rejected(f"expected at most {MOST_STATIONS} stations, got {len(given)}")
         return self
 
 

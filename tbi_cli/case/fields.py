@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
-from pydantic import GetCoreSchemaHandler
+from pydantic import BeforeValidator, GetCoreSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
 from tbi_cli.case.messages import UNPRINTABLE, plain_number, quoted
@@ -55,6 +55,17 @@ class Accepts:
 def rejected(text: str) -> PydanticCustomError:
     """The error by which a validator says `text` of a value."""
     return PydanticCustomError("tbi", "{text}", {"text": text})
+
+
+def at_most(most: int) -> BeforeValidator:
+    """Of a list: no more values than that, or else none of them is looked at."""
+
+    def check(value: Any) -> Any:
+        if isinstance(value, list | tuple) and len(value) > most:
+            raise rejected(f"expected at most {most} values in this list, got {len(value)}")
+        return value
+
+    return BeforeValidator(check)
 
 
 def _as_pydantic(parse: Callable[[Any], Any]) -> Callable[[Any], Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from pydantic import ValidationError
 from tbi_cli.case.checks import Finding, contradictions, oddities, sweep_contradictions
 from tbi_cli.case.document import Document, ExtraAxis
 from tbi_cli.case.keys import accepts, fields_of, is_list, part_of
-from tbi_cli.case.messages import CaseError, Place, Problem, fail, in_order, quoted, suggestion
+from tbi_cli.case.messages import MOST_ERRORS, CaseError, Place, Problem, fail, in_order, quoted, suggestion
 from tbi_cli.case.model import Case, union
 from tbi_cli.case.part import Part
 from tbi_cli.case.ranges import MAX_VALUES
@@ -91,7 +92,8 @@ def _validated(document: Document, sweep: Sweep, strict: bool) -> Case:
     if case is not None and not problems:
         problems += _located(sweep_contradictions(case, axes), root)
     if case is not None and not problems:
-        warnings = _located(oddities(case, axes, lambda key: _has_unit(root, key)), root)
+        has_unit = lru_cache(lambda key: _has_unit(root, key))
+        warnings = _located(oddities(case, axes, has_unit), root)
         if not strict or not warnings:
             return case.swept(axes, tuple(warning.render("warning") for warning in warnings))
         problems = warnings
@@ -151,7 +153,7 @@ def _place(root: Mapping, words: Sequence[str | int]) -> Place:
 
 def _problems(error: ValidationError, root: Mapping) -> Iterable[Problem]:
     """pydantic's errors in our words."""
-    for item in error.errors(include_url=False, include_context=True):
+    for item in error.errors(include_url=False, include_context=True)[:MOST_ERRORS]:
         # Among the words are the models by which pydantic tells trains and vehicles apart: no keys.
         loc = item["loc"]
         tagged = {depth for depth in range(1, len(loc)) if loc[depth - 1] in ("train", "vehicle")}

@@ -13,6 +13,7 @@ from pathlib import Path
 from tbi_cli.errors import UserError
 
 _SHOWN_ERRORS = 50
+MOST_ERRORS = 1000  # that are put into words
 _SHOWN_WIDTH = 160
 _SHOWN_VALUE = 60
 UNPRINTABLE = re.compile(
@@ -164,7 +165,8 @@ class CaseError(UserError):
         self.problems = tuple(problems)
         shown = [problem.render() for problem in self.problems[:_SHOWN_ERRORS]]
         if len(self.problems) > _SHOWN_ERRORS:
-            shown.append(f"... and {len(self.problems) - _SHOWN_ERRORS} more errors")
+            least = "at least " if len(self.problems) >= MOST_ERRORS else ""
+            shown.append(f"... and {least}{len(self.problems) - _SHOWN_ERRORS} more errors")
         super().__init__("\n".join(shown))
 
 

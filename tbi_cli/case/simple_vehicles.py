@@ -16,6 +16,7 @@ from tbi_cli.case.fields import (
     STIFFNESS,
     BadValueError,
     Quantity,
+    at_most,
     rejected,
 )
 from tbi_cli.case.messages import plain_number
@@ -60,6 +61,10 @@ FORCE_OF_AXLE = Quantity("force, downward", FORCE, "56.4 kN", usual=(1e2, 1e7))
 POSITION_OF_AXLE = Quantity("distance behind the first force", LENGTH, "2.5 m", "not negative", (0.1, 1000))
 
 
+Forces = Annotated[tuple[Annotated[float, FORCE_OF_AXLE], ...], at_most(MOST_FORCES)]
+Positions = Annotated[tuple[Annotated[float, POSITION_OF_AXLE], ...], at_most(MOST_FORCES)]
+
+
 def _out_of_order(positions: tuple[float, ...]) -> str:
     """What is wrong with the order of positions behind the first; nothing if they begin at 0 and rise."""
     if positions and positions[0] != 0:
@@ -75,16 +80,14 @@ class MovingLoad(Part):
     """Forces of constant size that cross the right beam."""
 
     model: Literal["moving-load"]
-    forces: tuple[Annotated[float, FORCE_OF_AXLE], ...]
-    positions: tuple[Annotated[float, POSITION_OF_AXLE], ...] = (0.0,)
+    forces: Forces
+    positions: Positions = (0.0,)
 
     def check(self) -> None:
         """Raises BadValueError where forces and positions do not go together."""
         problem = ""
         if not self.forces:
             problem = "expected at least one force"
-        elif len(self.forces) > MOST_FORCES:
-            problem = f"expected at most {MOST_FORCES} forces, got {len(self.forces)}"
         elif len(self.positions) != len(self.forces):
             problem = (
                 f"expected one position for each of the {len(self.forces)} forces, got {len(self.positions)}"

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import model_validator
 
-from tbi_cli.case.fields import LENGTH, Choice, Quantity, Text, Whole, rejected
+from tbi_cli.case.fields import LENGTH, Choice, Quantity, Text, Whole, at_most, rejected
 from tbi_cli.case.messages import plain_number
 from tbi_cli.case.part import Part
 
@@ -122,9 +122,9 @@ class Profile(Part):
     """
 
     csv: Annotated[str, Text("CSV file beside this one: x, right and left", 1000)] | None = None
-    x: tuple[Annotated[float, _PLACES], ...]
-    right: tuple[Annotated[float, _LEVELS], ...]
-    left: tuple[Annotated[float, _LEVELS], ...] = ()
+    x: Annotated[tuple[Annotated[float, _PLACES], ...], at_most(MOST_POINTS)]
+    right: Annotated[tuple[Annotated[float, _LEVELS], ...], at_most(MOST_POINTS)]
+    left: Annotated[tuple[Annotated[float, _LEVELS], ...], at_most(MOST_POINTS)] = ()
 
     @model_validator(mode="after")
     def _consistent(self) -> Profile:
@@ -135,7 +135,7 @@ class Profile(Part):
                 raise rejected(
                     f"expected one level in {name} for each of the {len(self.x)} places, got {len(levels)}"
                 )
-        if not 2 <= len(self.x) <= MOST_POINTS:
+        if len(self.x) < 2:
             raise rejected(f"expected 2 to {MOST_POINTS} places, got {len(self.x)}")
         for before, after in pairwise(self.x):
             if after <= before:

@@ -19,6 +19,7 @@ from tbi_cli.case.messages import UNPRINTABLE, CaseError, Place, Problem, Source
 MAX_DEPTH = 24
 MAX_NODES = 100_000
 MAX_KEYS = 200  # of one mapping
+MAX_ALL_KEYS = 20_000
 _INTEGER = re.compile(r"[-+]?[0-9]+\Z")
 _FLOAT = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?\Z")
 _OTHER: dict[str, object] = {
@@ -148,7 +149,7 @@ class _Composer:
         self.source = source
         self.problems: list[Problem] = []
         self.anchors: dict[str, Node | None] = {}
-        self.count = 0
+        self.count = self.keys = 0
 
     def stop(self, mark: Any, text: str) -> CaseError:
         return CaseError([Problem(Place(self.source, mark.line + 1, mark.column + 1), "", text)])
@@ -235,6 +236,9 @@ class _Composer:
                 raise self.stop(event.start_mark, "a key with control characters")
             if len(entries) == MAX_KEYS:
                 raise self.stop(event.start_mark, f"more than {MAX_KEYS} keys in one mapping")
+            self.keys += 1
+            if self.keys > MAX_ALL_KEYS:
+                raise self.stop(event.start_mark, f"more than {MAX_ALL_KEYS} keys")
             value = self.node(next(events), events, depth + 1)
             start: Any = event.start_mark
             end: Any = event.end_mark

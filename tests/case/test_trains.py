@@ -212,7 +212,7 @@ def test_what_is_asked_of_a_bridge(says: Says, line: str, message: str) -> None:
         ("stations: {fractions: [1.2]}", 'case.yaml:4:26: bridge.stations.fractions.0: expected a ratio >= 0, e.g. "25 %" or 0.25, got 1.2 (larger than 1)'),
         ("stations: {fraction: [0.5]}", "case.yaml:4:14: bridge.stations.fraction: unknown key; did you mean fractions?"),
         ("stations: 7", 'case.yaml:4:3: bridge.stations.positions: expected a list, each a length >= 0, e.g. "12.5 m" or 12.5, got 7'),
-        (f"stations: [{', '.join(['1'] * 101)}]", "case.yaml:4:3: bridge.stations: expected at most 100 stations, got 101"),
+        (f"stations: [{', '.join(['1'] * 101)}]", "case.yaml:4:3: bridge.stations.positions: expected at most 100 values in this list, got 101"),
     ],
 )  # fmt: skip
 def test_bad_stations(says: Says, line: str, message: str) -> None:
