@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from tbi_cli.batch import Batch
+from tbi_cli.integrator.arrays import ROW
 
 _FLAGS = ["-O3", "-march=native", "-mprefer-vector-width=512", "-ffp-contract=fast", "-fno-math-errno"]
 
@@ -65,8 +66,8 @@ def _tables(batch: Batch) -> str:
     }
     arrays = {
         "term_begin": [*begin, end[-1]],
-        "term_value": t.term >> 32,
-        "term_col": t.term & 0xFFFFFFFF,
+        "term_value": (t.term >> 32) // ROW,
+        "term_col": (t.term & 0xFFFFFFFF) // ROW,
         "g_begin": [*t.wheel_begin, t.wheel_end[-1]],
         "g_col": t.wheel_col,
         "sum_begin": [*t.sum_begin, t.sum_end[-1]],

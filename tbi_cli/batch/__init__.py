@@ -14,7 +14,7 @@ from tbi_cli.batch.model import Model
 from tbi_cli.batch.rails import Rails
 from tbi_cli.batch.rows import SignalRows
 from tbi_cli.integrator import kernel_cache
-from tbi_cli.integrator.arrays import Crossing, Topology
+from tbi_cli.integrator.arrays import ROW, Crossing, Topology
 from tbi_cli.timegrid import TimeGrid
 from tbi_cli.track import RailProfile
 
@@ -90,7 +90,7 @@ def build_batch(crossers: Sequence[Crosser], table: Sequence[int], history: Sequ
         term_row=term_row,
         term_begin=term_begin[term_row],
         term_end=term_end[term_row],
-        term=A.column + (term_value.ravel() << 32),
+        term=ROW * (A.column + (term_value.ravel() << 32)),
         axle_wheel_begin=axle_begin,
         axle_wheel_end=axle_end,
         wheel_begin=wheel_begin,

@@ -1,6 +1,7 @@
 """The arrays that the integrator works on: what many scenarios share, what each brings, and the work space.
 
-Every float array is C-contiguous float64 with the lanes in its last axis.  A *row* is one lane vector.
+Every float array is C-contiguous float64 with the lanes in its last axis.  A *row* is one lane vector; a
+*place* is how many bytes of rows stand before it.
 The signal array stacks, in this order, what a channel can be made of:
 
     x | x' | x'' | P of each wheel | w | w' | w'' under each | its time aloft | static moment over L and
@@ -11,12 +12,14 @@ with `n_dof` rows for each of x, x', x'' (the vehicle's coordinates, then the mo
 
 from __future__ import annotations
 
+from math import prod
 from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 LANES = 8
+ROW = 8 * LANES  # bytes of a lane vector
 
 # Arrays of kernels, with their type and number of axes.
 Index = Annotated[NDArray[np.int64], np.int64, 1]
@@ -44,7 +47,7 @@ class Topology(NamedTuple):
     term_row: Index  # coordinates in the order of their number of terms: equal loops follow each other
     term_begin: Index  # per entry of term_row, its terms of A: places in term
     term_end: Index
-    term: Index  # of each term, signal row (x or x') that it multiplies + 2^32 row of Crossing.term
+    term: Index  # of each term, place in signal (x or x') of what it multiplies + 2^32 place in Crossing.term
     axle_wheel_begin: Index  # per axle, its wheels
     axle_wheel_end: Index
     wheel_begin: Index  # per wheel, the terms of its row g
@@ -101,7 +104,7 @@ class Work(NamedTuple):
 
 def lane_zeros(*shape: int) -> NDArray[np.float64]:
     """Zeros of shape (*shape, LANES) aligned to a cache line, so that no vector straddles two."""
-    n = int(np.prod(shape, dtype=np.int64)) * LANES * 8
+    n = prod(shape) * LANES * 8
     raw = np.zeros(n + 64, dtype=np.uint8)
     start = -raw.ctypes.data % 64
     aligned: NDArray[np.float64] = raw[start : start + n].view(np.float64)
@@ -112,10 +115,10 @@ LEVEL_RAILS = np.zeros((1, 2, 1, 4))
 
 
 def work_space(topology: Topology, cubics: NDArray[np.float64] = LEVEL_RAILS) -> Work:
-    """A block of lanes at rest, nothing reduced yet."""
+    """Room for a block of lanes; see `put_to_rest`."""
     nd, n = topology.term_begin.size, topology.n_modes
     axles, wheels = topology.axle_wheel_begin.size, topology.wheel_mode.size
-    work = Work(
+    return Work(
         state=lane_zeros(2 * nd),
         signal=lane_zeros(topology.stage_row + 3 * nd),
         sine=lane_zeros(3 * max(axles, 1) * n),
@@ -132,6 +135,12 @@ def work_space(topology: Topology, cubics: NDArray[np.float64] = LEVEL_RAILS) ->
         step=lane_zeros(1),
         reduced=lane_zeros(5 * topology.channel.size),
     )
+
+
+def put_to_rest(work: Work) -> None:
+    """A block of lanes at rest before its first step, nothing reduced yet."""
+    for values in work:
+        if values is not work.cubics:
+            values.fill(0)
     work.reduced[1::5] = -np.inf
     work.reduced[2::5] = np.inf
-    return work

@@ -9,7 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tbi_cli.integrator import kernel_cache
-from tbi_cli.integrator.arrays import LANES, LEVEL_RAILS, Crossing, Topology, Work, lane_zeros, work_space
+from tbi_cli.integrator.arrays import (
+    LANES,
+    LEVEL_RAILS,
+    Crossing,
+    Topology,
+    Work,
+    lane_zeros,
+    put_to_rest,
+    work_space,
+)
 from tbi_cli.integrator.kernels import Call
 
 # Steps in one call of the kernel: some tens of milliseconds, after which a stop is noticed.
@@ -62,6 +71,8 @@ def integrate(
     most = _SAMPLES_RECORDED_PER_CALL if kept else max(1, _STEPS_PER_CALL // substeps)
     record = lane_zeros(most if kept else 0, kept)
     lanes = Crossing(*(lane_zeros(len(rows)) for rows in crossing))
+    work = work_space(topology, cubics)
+    advance = _kernel(topology, lanes, work, substeps, record)
     order = np.argsort(
         -last, kind="stable"
     )  # like lengths side by side: they enter and leave the bridge together
@@ -71,8 +82,7 @@ def integrate(
         filled = np.concatenate([group, np.full(LANES - len(group), group[-1])])
         for rows, values in zip(lanes, crossing, strict=True):
             rows[:] = values[:, filled]
-        work = work_space(topology, cubics)
-        advance = _kernel(topology, lanes, work, substeps, record)
+        put_to_rest(work)
         taken, ending = 0, last[group] + 1
         busy = np.ones(len(group), dtype=bool)
         while busy.any():

@@ -46,7 +46,7 @@ class Call:
     def __init__(self, name: str, function: Function, *values: Any) -> None:
         self._name, self._function = name, function
         self._values = values  # the frame holds their addresses
-        self._frame = frame(KERNELS[name].arguments, values)
+        self._frame = frame(name, values)
 
     def __call__(self, count: int) -> None:
         """Raises ArithmeticError where the kernel fails, as by a division by zero."""
@@ -54,10 +54,10 @@ class Call:
             raise ArithmeticError(f"kernel {self._name} failed")
 
 
-def frame(arguments: tuple[Any, ...], values: tuple[Any, ...]) -> NDArray[np.int64]:
-    """The words of some arguments: a number is one, an array its address and its shape."""
+def frame(name: str, values: tuple[Any, ...]) -> NDArray[np.int64]:
+    """The words of the arguments of a kernel: a number is one, an array its address and its shape."""
     words: list[int] = []
-    for argument, value in zip(_flat_types(arguments), _flat(values), strict=True):
+    for argument, value in zip(_flat_types(name), _flat(values), strict=True):
         if argument in (int, bool):
             words.append(int(value))
             continue
@@ -77,10 +77,10 @@ def _flat(value: Any) -> Iterator[Any]:
 
 
 @lru_cache
-def _flat_types(arguments: tuple[Any, ...]) -> list[Any]:
+def _flat_types(name: str) -> list[Any]:
     found: list[Any] = []
-    for argument in arguments:
-        found += _flat_types(fields(argument)) if hasattr(argument, "_fields") else [argument]
+    for argument in KERNELS[name].arguments:
+        found += fields(argument) if hasattr(argument, "_fields") else [argument]
     return found
 
 

@@ -97,6 +97,21 @@ def load(typingctx: Any, a: Any, row: Any) -> Any:
 
 
 @intrinsic
+def load_at(typingctx: Any, a: Any, place: Any) -> Any:
+    """The row of a C-contiguous array of lane vectors before which so many bytes stand."""
+    if not (_is_lane_array(a) and isinstance(place, types.Integer)):
+        return None
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        data = context.make_array(signature.args[0])(context, builder, args[0]).data
+        base = builder.bitcast(data, ir.IntType(8).as_pointer())
+        pointer = builder.bitcast(builder.gep(base, [args[1]]), _VECTOR.as_pointer())
+        return builder.load(pointer, align=8)
+
+    return vector(a, types.int64), codegen
+
+
+@intrinsic
 def store(typingctx: Any, a: Any, row: Any, x: Any) -> Any:
     """Write the lane vector `x` to row `row` of a C-contiguous array of lane vectors."""
     if not (_is_lane_array(a) and isinstance(row, types.Integer) and x == vector):
