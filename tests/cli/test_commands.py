@@ -104,6 +104,20 @@ def test_help_imports_nothing_heavy() -> None:
     assert ended.stdout.strip() == "[]"
 
 
+def test_a_run_imports_no_compiler(folder: Path) -> None:
+    """With its kernels compiled, a run needs neither numba nor SciPy's solvers, whose imports take long."""
+    code = (
+        "import sys; from tbi_cli import load_case, run; from tbi_cli.runner import Options;"
+        "run(load_case('case.yaml'), Options(output='r.h5', overwrite=True));"
+        "print(sorted({'numba', 'scipy.linalg', 'matplotlib', 'pandas'} & set(sys.modules)))"
+    )
+    assert tbi("run", "case.yaml", folder=folder).code == 0
+    ended = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=folder
+    )
+    assert ended.stdout.splitlines()[-1] == "[]"
+
+
 def test_validate_solves_nothing(folder: Path) -> None:
     ended = tbi(
         "validate", "case.yaml", "--set", "sweep={span: [30, 40], velocity: [50, 60, 70]}", folder=folder
