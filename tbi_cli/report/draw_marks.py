@@ -107,7 +107,7 @@ def _draw_dots(axes: Axes, panel: Panel, x_factor: float, y_factor: float) -> No
 
 
 def draw_limits(axes: Axes, limits: Sequence[Limit], factor: float, unit: str) -> None:
-    """Horizontal lines, their values and their standard at the right edge.
+    """Horizontal lines, their values and their standard at the right edge; below zero once more, if in sight.
 
     Limits far above the curves are only named, with their own `unit`, so that the curves keep the panel.
     """
@@ -121,7 +121,7 @@ def draw_limits(axes: Axes, limits: Sequence[Limit], factor: float, unit: str) -
         return
     axes.set_ylim(low, max(high, 1.08 * max(values)))
     low, high = axes.get_ylim()
-    for value in values:
+    for value in (*values, *(-value for value in values if -value > low)):
         axes.axhline(value, color=style.LIMIT, linewidth=0.6, linestyle=(0, (4, 2)), zorder=1.6)
     named = [(value, f"{value:g}") for value in values]
     if max(values) - min(values) < _CLOSE * (high - low):

@@ -219,10 +219,11 @@ def _mark_text(mark: Mark) -> str:
 
 
 def _limits(layout: dict[str, Any], panel: Panel, key: str, factor: float) -> None:
-    """Limits of standards that are not far above the curves."""
+    """Limits of standards that are not far above the curves; below zero once more, if in sight."""
+    low = min(float(np.nanmin(curve.y, initial=0)) for curve in panel.curves) / factor
     high = max(float(np.nanmax(curve.y, initial=0)) for curve in panel.curves) / factor
     shown = [at for limit in panel.limits if (at := limit.value / factor) <= _FAR * high]
-    for at in shown:
+    for at in (*shown, *(-at for at in shown if -at > low)):
         line = {"color": style.LIMIT, "width": 1, "dash": "dash"}
         ends = {"x0": 0, "x1": 1, "y0": at, "y1": at, "xref": f"x{key} domain", "yref": f"y{key}"}
         layout["shapes"].append({"type": "line", **ends, "line": line, "layer": "below"})

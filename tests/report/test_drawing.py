@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tbi_cli.report.draw import draw
@@ -81,6 +84,20 @@ def test_limits_out_of_sight_are_told_with_their_unit() -> None:
     # The axis is in mm/s2, the limits are not.
     assert "ISO 2631: 0.37, 0.49 m/s² far above" in notes(drawn(panel(height=0.001, limits=ISO_2631)))
     assert {"0.37", "0.49", "ISO 2631"} <= set(notes(drawn(panel(height=0.6, limits=ISO_2631))))
+
+
+def test_limits_hold_in_both_directions() -> None:
+    """Also below zero, where the curves go there."""
+    swinging = panel(curves=1, limits=ISO_2631, from_zero=True)
+    (above,) = drawn(swinging).axes
+    curve = replace(swinging.curves[0], y=np.sin(X))
+    (both,) = drawn(replace(swinging, curves=(curve,), from_zero=False)).axes
+
+    def levels(axes: Axes) -> list[float]:
+        return sorted(line.get_ydata()[0] for line in axes.get_lines() if len(line.get_ydata()) == 2)
+
+    assert levels(above) == [0.37, 0.49]
+    assert levels(both) == [-0.49, -0.37, 0.37, 0.49]
 
 
 @pytest.mark.parametrize("height", [1e-6, 1.0])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -58,6 +59,14 @@ def test_the_numbers_of_limits_do_not_cover_each_other() -> None:
     assert {"0.49", "0.37"} <= set(notes(made(panel(limits=ISO_2631))))
     assert "0.49<br>0.37" in notes(made(panel(height=8.0, limits=ISO_2631)))
     assert not {"0.49", "0.37", "0.49<br>0.37"} & set(notes(made(panel(height=0.01, limits=ISO_2631))))
+
+
+def test_limits_hold_in_both_directions() -> None:
+    """Also below zero, where the curves go there."""
+    swinging = panel(("one",), limits=ISO_2631)
+    curve = replace(swinging.curves[0], y=np.sin(X))
+    shapes = made(replace(swinging, curves=(curve,)))["layout"]["shapes"]
+    assert sorted(line["y0"] for line in shapes if line["y0"] == line["y1"]) == [-0.49, -0.37, 0.37, 0.49]
 
 
 def test_curves_of_different_panels_are_told_apart() -> None:
