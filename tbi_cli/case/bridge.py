@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Annotated, Any, Literal
 
@@ -27,13 +28,17 @@ DAMPING_FORMS: tuple[DampingForm, ...] = ("coefficient", "first_mode_ratio", "ra
 USUAL_RATIO = (1e-5, 0.2)
 MOST_STATIONS = 100
 _HOW = ", or {first_mode_ratio: 2.36 %}, or {ratio: 1 %}"
+_HOW_SWEPT = " (ratios, where the bridge's own damping is one, as {ratio: 1 %})"
 
 
+@dataclass(frozen=True)
 class Coefficient(Quantity):
     """The damping coefficient of a beam; a bare percentage is answered with the keys that take one."""
 
+    swept: bool = False
+
     def expected(self) -> str:
-        return super().expected() + _HOW
+        return super().expected() + (_HOW_SWEPT if self.swept else _HOW)
 
 
 COEFFICIENT = Coefficient("damping coefficient c of the beam", LINE_DAMPING, "10 kN*s/m^2", "not negative")

@@ -10,7 +10,7 @@ from typing import Annotated, Any, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from tbi_cli.case.axes import SHORT_NAMES
-from tbi_cli.case.bridge import DAMPING_FORMS, Damping
+from tbi_cli.case.bridge import DAMPING_FORMS, Coefficient, Damping
 from tbi_cli.case.fields import Accepts, Numeric, Quantity, Whole
 from tbi_cli.case.model import Case
 from tbi_cli.case.part import Part
@@ -93,7 +93,8 @@ def find_number(path: str, case: Any, train_model: str | None) -> tuple[Numeric,
         leaf = accepts(info)
     if listed or not isinstance(leaf, Quantity | Whole):
         raise UnknownKeyError("not a key with a number, so it cannot be swept")
-    return replace(leaf, words=()), tuple(chain)
+    leaf = replace(leaf, words=())
+    return replace(leaf, swept=True) if isinstance(leaf, Coefficient) else leaf, tuple(chain)
 
 
 def _indexes(case: Any, word: str) -> bool:
