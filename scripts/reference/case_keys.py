@@ -13,6 +13,7 @@ from tbi_cli.case.axes import SHORT_NAMES
 from tbi_cli.case.bridge import Bridge, Damping
 from tbi_cli.case.consist import Vehicles
 from tbi_cli.case.fields import Accepts, Quantity
+from tbi_cli.case.files import MAX_BYTES
 from tbi_cli.case.full_train import BogieOverride
 from tbi_cli.case.keys import accepts, fields_of, is_list, part_of
 from tbi_cli.case.messages import plain_number
@@ -22,6 +23,7 @@ from tbi_cli.case.sample import DISTRIBUTIONS, KINDS
 from tbi_cli.case.settings import HERTZ_SPRING, Contact, Histories, Output, Solver
 from tbi_cli.case.track import Irregularity, Track
 from tbi_cli.case.train import TRAINS
+from tbi_cli.case.yaml12 import MAX_ALL_KEYS, MAX_DEPTH, MAX_KEYS, MAX_NODES
 
 _HEAD = """# Keys of a case file
 
@@ -32,6 +34,14 @@ number can be set by its dotted name, `--set bridge.right.damping.ratio='1 %'`, 
 
 `tbi schema` prints the same as JSON Schema, by which editors complete and check; see
 [how to write a case file](../how-to/train.md#completion-in-an-editor).
+"""
+
+_BOUNDS = f"""
+## How large a file may be
+
+{MAX_BYTES / 1e6:g} MB, {MAX_NODES} values (what an alias stands for is counted each time), {MAX_ALL_KEYS} keys,
+{MAX_KEYS} of them in one mapping, nested {MAX_DEPTH} levels deep; each file that it includes as much again. Tags, merge
+keys (`<<`) and several documents in one file are not used.
 """
 
 _SWEEP = """
@@ -104,7 +114,7 @@ def page() -> str:
         ["name", "sets"],
         ([code(name), ", ".join(code(path) for path in paths)] for name, paths in SHORT_NAMES.items()),
     )
-    return text + _SWEEP.format(short=short, kinds=" | ".join(KINDS), distributions=distributions)
+    return text + _SWEEP.format(short=short, kinds=" | ".join(KINDS), distributions=distributions) + _BOUNDS
 
 
 _BRIDGE = (
