@@ -39,9 +39,9 @@ number can be set by its dotted name, `--set bridge.right.damping.ratio='1 %'`, 
 _BOUNDS = f"""
 ## How large a file may be
 
-{MAX_BYTES / 1e6:g} MB, {MAX_NODES} values (what an alias stands for is counted each time), {MAX_ALL_KEYS} keys,
-{MAX_KEYS} of them in one mapping, nested {MAX_DEPTH} levels deep; each file that it includes as much again. Tags, merge
-keys (`<<`) and several documents in one file are not used.
+{MAX_BYTES / 1e6:g} MB, {MAX_NODES} values (what an alias stands for counts each time), {MAX_ALL_KEYS}
+keys, {MAX_KEYS} of them in one mapping, nested {MAX_DEPTH} levels deep; each file that it includes as much
+again. Tags, merge keys (`<<`) and several documents in one file are not used.
 """
 
 _SWEEP = """
