@@ -16,9 +16,9 @@ from tbi_cli.case.fields import (
     LINE_MASS,
     PRESSURE,
     RATIO,
+    AtMost,
     Quantity,
     Whole,
-    at_most,
     rejected,
 )
 from tbi_cli.case.part import Part
@@ -136,8 +136,8 @@ _FRACTION = Quantity("share of the span", RATIO, "25 %", "not negative", largest
 class Stations(Part):
     """Where the beams are looked at besides mid-span: positions, or fractions of the span."""
 
-    positions: Annotated[tuple[Annotated[float, _POSITION], ...], at_most(MOST_STATIONS)] = ()
-    fractions: Annotated[tuple[Annotated[float, _FRACTION], ...], at_most(MOST_STATIONS)] = ()
+    positions: Annotated[tuple[Annotated[float, _POSITION], ...], AtMost(MOST_STATIONS)] = ()
+    fractions: Annotated[tuple[Annotated[float, _FRACTION], ...], AtMost(MOST_STATIONS)] = ()
 
     @model_validator(mode="after")
     def _one_list(self) -> Stations:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from tbi_cli.case.axle_forces import AxleForces, HslmA
-from tbi_cli.case.fields import LENGTH, BadValueError, Quantity, Whole, at_most, rejected
+from tbi_cli.case.fields import LENGTH, AtMost, BadValueError, Quantity, Whole, rejected
 from tbi_cli.case.full_train import FullTrain
 from tbi_cli.case.messages import plain_number
 from tbi_cli.case.part import Part
@@ -61,7 +61,7 @@ class Consist(Part):
     """Several vehicles, the first in front, each with its own count and spacing."""
 
     model: Literal["consist"]
-    consist: Annotated[tuple[Vehicles, ...], at_most(MOST_VEHICLES)]
+    consist: Annotated[tuple[Vehicles, ...], AtMost(MOST_VEHICLES)]
 
     @model_validator(mode="after")
     def _some(self) -> Consist:

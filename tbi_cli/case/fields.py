@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, GetCoreSchemaHandler
+from pydantic import GetCoreSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
 from tbi_cli.case.messages import UNPRINTABLE, plain_number, quoted
@@ -57,15 +57,19 @@ def rejected(text: str) -> PydanticCustomError:
     return PydanticCustomError("tbi", "{text}", {"text": text})
 
 
-def at_most(most: int) -> BeforeValidator:
+@dataclass(frozen=True)
+class AtMost:
     """Of a list: no more values than that, or else none of them is looked at."""
 
-    def check(value: Any) -> Any:
-        if isinstance(value, list | tuple) and len(value) > most:
-            raise rejected(f"expected at most {most} values in this list, got {len(value)}")
+    most: int
+
+    def _check(self, value: Any) -> Any:
+        if isinstance(value, list | tuple) and len(value) > self.most:
+            raise rejected(f"expected at most {self.most} values in this list, got {len(value)}")
         return value
 
-    return BeforeValidator(check)
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> Any:
+        return core_schema.no_info_before_validator_function(self._check, handler(source))
 
 
 def _as_pydantic(parse: Callable[[Any], Any]) -> Callable[[Any], Any]:

@@ -14,9 +14,9 @@ from tbi_cli.case.fields import (
     LENGTH,
     MASS,
     STIFFNESS,
+    AtMost,
     BadValueError,
     Quantity,
-    at_most,
     rejected,
 )
 from tbi_cli.case.messages import plain_number
@@ -61,8 +61,8 @@ FORCE_OF_AXLE = Quantity("force, downward", FORCE, "56.4 kN", usual=(1e2, 1e7))
 POSITION_OF_AXLE = Quantity("distance behind the first force", LENGTH, "2.5 m", "not negative", (0.1, 1000))
 
 
-Forces = Annotated[tuple[Annotated[float, FORCE_OF_AXLE], ...], at_most(MOST_FORCES)]
-Positions = Annotated[tuple[Annotated[float, POSITION_OF_AXLE], ...], at_most(MOST_FORCES)]
+Forces = Annotated[tuple[Annotated[float, FORCE_OF_AXLE], ...], AtMost(MOST_FORCES)]
+Positions = Annotated[tuple[Annotated[float, POSITION_OF_AXLE], ...], AtMost(MOST_FORCES)]
 
 
 def _out_of_order(positions: tuple[float, ...]) -> str:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import model_validator
 
-from tbi_cli.case.fields import LENGTH, Choice, Quantity, Text, Whole, at_most, rejected
+from tbi_cli.case.fields import LENGTH, AtMost, Choice, Quantity, Text, Whole, rejected
 from tbi_cli.case.messages import plain_number
 from tbi_cli.case.part import Part
 
@@ -122,9 +122,9 @@ class Profile(Part):
     """
 
     csv: Annotated[str, Text("CSV file beside this one: x, right and left", 1000)] | None = None
-    x: Annotated[tuple[Annotated[float, _PLACES], ...], at_most(MOST_POINTS)]
-    right: Annotated[tuple[Annotated[float, _LEVELS], ...], at_most(MOST_POINTS)]
-    left: Annotated[tuple[Annotated[float, _LEVELS], ...], at_most(MOST_POINTS)] = ()
+    x: Annotated[tuple[Annotated[float, _PLACES], ...], AtMost(MOST_POINTS)]
+    right: Annotated[tuple[Annotated[float, _LEVELS], ...], AtMost(MOST_POINTS)]
+    left: Annotated[tuple[Annotated[float, _LEVELS], ...], AtMost(MOST_POINTS)] = ()
 
     @model_validator(mode="after")
     def _consistent(self) -> Profile:
