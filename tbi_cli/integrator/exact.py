@@ -21,7 +21,8 @@ from typing import Any
 from tbi_cli.integrator.arrays import LANES, Crossing, History, Lanes, Topology, Vector, Work
 from tbi_cli.integrator.forces import changes_due, stand, waves
 from tbi_cli.integrator.kernel import record
-from tbi_cli.integrator.lanes import flush_subnormals, fma, inlined, load, splat, store, subroutine
+from tbi_cli.integrator.lanes import fma, load, splat, store
+from tbi_cli.integrator.primitives import flush_subnormals, inlined, subroutine
 from tbi_cli.integrator.sampling import take_sample
 from tbi_cli.integrator.shapes import axles_on
 

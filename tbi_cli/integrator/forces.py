@@ -12,17 +12,8 @@ from typing import Any
 
 from tbi_cli.integrator.arrays import LANES, Crossing, History, Topology, Work
 from tbi_cli.integrator.kernel import record
-from tbi_cli.integrator.lanes import (
-    any_lane,
-    at_least,
-    flush_subnormals,
-    fma,
-    inlined,
-    load,
-    splat,
-    store,
-    subroutine,
-)
+from tbi_cli.integrator.lanes import any_lane, at_least, fma, load, splat, store
+from tbi_cli.integrator.primitives import flush_subnormals, inlined, subroutine
 from tbi_cli.integrator.sampling import take_sample
 from tbi_cli.integrator.shapes import axles_on, multiples, sin_cos_pi
 

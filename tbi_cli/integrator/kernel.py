@@ -21,7 +21,8 @@ from __future__ import annotations
 from typing import Any
 
 from tbi_cli.integrator.arrays import Crossing, History, Topology, Work
-from tbi_cli.integrator.lanes import flush_subnormals, fma, inlined, item, load, load_at, splat, store
+from tbi_cli.integrator.lanes import fma, load, load_at, splat, store
+from tbi_cli.integrator.primitives import flush_subnormals, inlined, item
 from tbi_cli.integrator.sampling import take_sample
 from tbi_cli.integrator.shapes import axles_on, mode_shapes
 from tbi_cli.integrator.wheels import carry_rails, contact, rails

@@ -15,8 +15,8 @@ from numba.np.arrayobj import populate_array
 from numba.np.numpy_support import from_dtype
 
 from tbi_cli.integrator.kernels import KERNELS, fields
-from tbi_cli.integrator.lanes import UNCOUNTED
 from tbi_cli.integrator.native import target_machine
+from tbi_cli.integrator.primitives import UNCOUNTED
 
 _WORD = ir.IntType(64)
 

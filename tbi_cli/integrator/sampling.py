@@ -4,19 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from tbi_cli.integrator.lanes import (
-    any_lane,
-    either,
-    fma,
-    greater,
-    inlined,
-    item,
-    less,
-    load,
-    select,
-    splat,
-    store,
-)
+from tbi_cli.integrator.lanes import any_lane, either, fma, greater, less, load, select, splat, store
+from tbi_cli.integrator.primitives import inlined, item
 from tbi_cli.integrator.wheels import wheel_signals
 
 

@@ -15,8 +15,6 @@ from tbi_cli.integrator.lanes import (
     either,
     fma,
     greater,
-    inlined,
-    item,
     less,
     load,
     nearest_integer,
@@ -24,6 +22,7 @@ from tbi_cli.integrator.lanes import (
     splat,
     store,
 )
+from tbi_cli.integrator.primitives import inlined, item
 
 # sin(pi r)/r and cos(pi r) in powers of r^2: Taylor's series, whose next term is below 1e-17 for |r| <= 1/2.
 _SIN_PI = tuple((-1) ** i * pi ** (2 * i + 1) / factorial(2 * i + 1) for i in range(11))

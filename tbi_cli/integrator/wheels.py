@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from tbi_cli.integrator.lanes import floor, fma, gather_four, inlined, item, less, load, select, splat, store
+from tbi_cli.integrator.lanes import floor, fma, gather_four, less, load, select, splat, store
+from tbi_cli.integrator.primitives import inlined, item
 
 
 @inlined
