@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import platform
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,11 +14,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tbi_cli.batch import build_batch
+from tbi_cli.integrator import kernel_cache, native
 from tbi_cli.integrator.arrays import LANES, Vector
 from tbi_cli.integrator.integrate import integrate
 from tbi_cli.integrator.kernel_cache import call
 from tbi_cli.integrator.kernels import KERNELS
-from tbi_cli.integrator.machine_code import compiled, module
+from tbi_cli.integrator.machine_code import compiled, module, object_code
 from tbi_cli.runner import Options, run
 from tbi_cli.solve import Solver
 from tbi_cli.workers import Workers
@@ -119,6 +121,22 @@ def test_a_kernel_refuses_arrays_that_are_not_its_own() -> None:
             call("one_interval", wrong, table, vector, vector, table)
     with pytest.raises(ValueError, match="shorter"):
         call("one_interval", table, table, vector, vector)
+
+
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="names processors of that kind")
+@pytest.mark.parametrize("name", ["advance", "advance_forces"])
+def test_the_same_bits_without_wide_vectors(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Code for the oldest processor of this kind: vectors of two, and multiply-adds by a library."""
+    train = "train=hslm-a1" if name == "advance_forces" else "train=paper"
+    one_beam = ("bridge=whole-deck", "contact.static_load=physical") if name == "advance_forces" else ()
+    case = paper(train, *one_beam, "sweep={velocity: [50, 60, 83.3]}", "solver.duration=1")
+    here = _bits(Solver(case), [0, 1, 2])
+    monkeypatch.setattr(native.llvm, "get_host_cpu_name", lambda: "x86-64")
+    monkeypatch.setattr(native.llvm, "get_host_cpu_features", native.llvm.FeatureMap)
+    code = object_code(name)
+    assert b"fma" in code, "calls the library, as this processor has no such instruction"
+    monkeypatch.setitem(kernel_cache._functions, name, native.load(name, code))
+    assert _bits(Solver(case), [0, 1, 2]) == here
 
 
 def test_failed_scenarios_fail_alone() -> None:
