@@ -23,6 +23,9 @@ from tbi_cli.case.units import to_si
 
 Schema = dict[str, Any]
 
+_NAMES: Schema = {"type": "array", "items": {"type": "string", "pattern": "^[a-z0-9_]+$"}, "minItems": 1}
+CHANNELS: Schema = {"anyOf": [{"const": "all"}, _NAMES | {"uniqueItems": True}]}
+
 
 class Parts:
     """Collects under `definitions` what is referred to."""
@@ -183,10 +186,8 @@ class Parts:
 
     def histories(self) -> Schema:
         """What is kept over time."""
-        names = {"type": "array", "items": {"type": "string", "pattern": "^[a-z0-9_]+$"}, "minItems": 1}
-        channels: Schema = {"anyOf": [{"const": "all"}, names | {"uniqueItems": True}]}
-        channels["description"] = "all, or a list of channel names"
-        mapping = self.mapping(Histories, {"channels": channels})
+        text = "all, or a list of channel names"
+        mapping = self.mapping(Histories, {"channels": CHANNELS | {"description": text}})
         text = "which time histories are stored: none, all or some channels"
         return self.define(
             "Histories", {"anyOf": [{"enum": list(HISTORY_WORDS)}, mapping], "description": text}

@@ -7,7 +7,7 @@ from tbi_cli.case.fields import Quantity, Whole
 from tbi_cli.case.keys import find_number, numeric_keys
 from tbi_cli.case.refinement import Refine
 from tbi_cli.case.sample import DISTRIBUTIONS, KINDS, WITHIN
-from tbi_cli.case.schema_parts import Parts, Schema
+from tbi_cli.case.schema_parts import CHANNELS, Parts, Schema
 from tbi_cli.case.train import TRAINS
 
 
@@ -81,8 +81,7 @@ class SweepSchema:
         leaf = find_number(path, {}, "full-31dof")[0]
         assert isinstance(leaf, Quantity)
         speed, refine = self.parts.quantity(leaf), self.parts.mapping(Refine)
-        names = {"type": "array", "items": {"type": "string", "pattern": "^[a-z0-9_]+$"}, "minItems": 1}
-        refine["properties"]["channels"] |= {"anyOf": [{"const": "all"}, names | {"uniqueItems": True}]}
+        refine["properties"]["channels"] |= CHANNELS
         texts = {"from": "first speed", "to": "last speed", "step": "speeds that are solved in any case"}
         ends = {key: speed | {"description": text} for key, text in texts.items()}
         refine["properties"] |= ends

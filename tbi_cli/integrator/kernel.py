@@ -29,10 +29,10 @@ from tbi_cli.integrator.wheels import carry_rails, contact, rails
 
 
 @inlined
-def _added(crossing: Any, work: Any, term: int, total: Any) -> Any:
-    """A sum with one more term of A (x, x')."""
-    a, x = load_at(crossing.term, term >> 32), load_at(work.signal, term & 0xFFFFFFFF)
-    return fma(a, x, total)
+def _added(topology: Any, crossing: Any, work: Any, t: int, total: Any) -> Any:
+    """A sum with term t of A (x, x') added."""
+    places = item(topology.term, t)
+    return fma(load_at(crossing.term, places >> 32), load_at(work.signal, places & 0xFFFFFFFF), total)
 
 
 @inlined
@@ -46,17 +46,17 @@ def free_accelerations(topology: Any, crossing: Any, work: Any, out: int) -> Non
     if alone:
         total = splat(0.0)
         for t in range(item(topology.term_begin, 0), item(topology.term_end, 0)):
-            total = _added(crossing, work, item(topology.term, t), total)
+            total = _added(topology, crossing, work, t, total)
         store(work.signal, out + item(topology.term_row, 0), total)
     for row in range(alone, rows, 2):
         t1, t2 = item(topology.term_begin, row), item(topology.term_begin, row + 1)
         both = item(topology.term_end, row) - t1
         one, two = splat(0.0), splat(0.0)
         for t in range(both):
-            one = _added(crossing, work, item(topology.term, t1 + t), one)
-            two = _added(crossing, work, item(topology.term, t2 + t), two)
+            one = _added(topology, crossing, work, t1 + t, one)
+            two = _added(topology, crossing, work, t2 + t, two)
         for t in range(t2 + both, item(topology.term_end, row + 1)):
-            two = _added(crossing, work, item(topology.term, t), two)
+            two = _added(topology, crossing, work, t, two)
         store(work.signal, out + item(topology.term_row, row), one)
         store(work.signal, out + item(topology.term_row, row + 1), two)
 

@@ -49,10 +49,10 @@ _functions: dict[str, Function] = {}
 
 def _function(name: str, say: Callable[[str], None]) -> Function:
     if name not in _functions:
-        from tbi_cli.integrator.native import load
+        from tbi_cli.integrator.native import Loaded
 
         code, folder = _find(name)
-        _functions[name] = load(name, code or _compiled(name, folder, say))
+        _functions[name] = Loaded(name, code or _compiled(name, folder, say))
     return _functions[name]
 
 

@@ -68,12 +68,9 @@ def frame(name: str, values: tuple[Any, ...]) -> NDArray[np.int64]:
     return np.array(words, dtype=np.int64)
 
 
-def _flat(value: Any) -> Iterator[Any]:
-    if not isinstance(value, tuple):
-        yield value
-        return
-    for item in value:
-        yield from _flat(item)
+def _flat(values: tuple[Any, ...]) -> Iterator[Any]:
+    for value in values:
+        yield from value if isinstance(value, tuple) else (value,)
 
 
 @lru_cache

@@ -9,8 +9,6 @@ from typing import Any
 
 import llvmlite.binding as llvm
 
-from tbi_cli.integrator.kernels import Function
-
 # What numba makes of a function: it returns a status, and writes to where its first two arguments point.
 _PROTOTYPE = ctypes.CFUNCTYPE(
     ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64
@@ -38,7 +36,7 @@ def target_machine() -> llvm.TargetMachine:
 
 
 class Loaded:
-    """A kernel in memory.  Calling it releases the interpreter's lock."""
+    """The kernel of that name in an object file, in memory.  Calling it releases the interpreter's lock."""
 
     def __init__(self, name: str, code: bytes) -> None:
         self._engine: Any = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target_machine())
@@ -50,8 +48,3 @@ class Loaded:
         unused, error = ctypes.c_void_p(), ctypes.c_void_p()
         status: int = self._function(ctypes.byref(unused), ctypes.byref(error), frame, count)
         return status
-
-
-def load(name: str, code: bytes) -> Function:
-    """The kernel of that name in an object file."""
-    return Loaded(name, code)

@@ -10,7 +10,7 @@ from matplotlib.transforms import Transform, blended_transform_factory
 
 from tbi_cli.report import style
 from tbi_cli.report.marks import CRITICAL, RESONANCE
-from tbi_cli.report.plot import Limit, Panel
+from tbi_cli.report.plot import Limit, Panel, both_ways
 
 ROW = 8.5  # points between rows of labels above a panel
 _MOST_ROWS = 4
@@ -121,7 +121,7 @@ def draw_limits(axes: Axes, limits: Sequence[Limit], factor: float, unit: str) -
         return
     axes.set_ylim(low, max(high, 1.08 * max(values)))
     low, high = axes.get_ylim()
-    for value in (*values, *(-value for value in values if -value > low)):
+    for value in both_ways(values, low):
         axes.axhline(value, color=style.LIMIT, linewidth=0.6, linestyle=(0, (4, 2)), zorder=1.6)
     named = [(value, f"{value:g}") for value in values]
     if max(values) - min(values) < _CLOSE * (high - low):

@@ -11,7 +11,7 @@ import numpy as np
 
 from tbi_cli.report import style, words
 from tbi_cli.report.marks import CRITICAL, RESONANCE
-from tbi_cli.report.plot import Array, Axis, Band, Curve, Mark, Panel, Plot, Points
+from tbi_cli.report.plot import Array, Axis, Band, Curve, Mark, Panel, Plot, Points, both_ways
 
 # Pixels: above a panel for its title, for each row of marks, the panel, below it for its axis; the legend.
 _TITLE, _MARKS, _PANEL, _FOOT, _LEGEND = 26, 13, 260, 56, 24
@@ -223,7 +223,7 @@ def _limits(layout: dict[str, Any], panel: Panel, key: str, factor: float) -> No
     low = min(float(np.nanmin(curve.y, initial=0)) for curve in panel.curves) / factor
     high = max(float(np.nanmax(curve.y, initial=0)) for curve in panel.curves) / factor
     shown = [at for limit in panel.limits if (at := limit.value / factor) <= _FAR * high]
-    for at in (*shown, *(-at for at in shown if -at > low)):
+    for at in both_ways(shown, low):
         line = {"color": style.LIMIT, "width": 1, "dash": "dash"}
         ends = {"x0": 0, "x1": 1, "y0": at, "y1": at, "xref": f"x{key} domain", "yref": f"y{key}"}
         layout["shapes"].append({"type": "line", **ends, "line": line, "layer": "below"})

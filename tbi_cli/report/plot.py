@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -73,6 +74,11 @@ class Limit:
 
     label: str
     value: float
+
+
+def both_ways(values: Sequence[float], low: float) -> list[float]:
+    """Where the lines of limits are drawn: at their values, and below zero once more, if above `low`."""
+    return [*values, *(-value for value in values if -value > low)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -325,6 +325,13 @@ def test_many_mistakes_are_counted_not_all_shown(says: Says) -> None:
     assert message.splitlines()[-1] == "... and 30 more errors"
 
 
+def test_of_very_many_mistakes_a_thousand_are_looked_at(says: Says) -> None:
+    levels = ", ".join(["q"] * 2000)
+    message = says(CASE + f"track: {{irregularity: {{profile: {{x: [0, 1], right: [{levels}]}}}}}}\n")
+    assert message.count("case.yaml:12:") == 50
+    assert message.splitlines()[-1] == "... and at least 950 more errors"
+
+
 def test_a_mistake_in_an_included_file_is_placed_there(says: Says, folder: Path) -> None:
     (folder / "trains").mkdir()
     (folder / "trains" / "mine.yaml").write_text("model: sprung-mass\nmass: -5\nstiffness: 1e6\n")

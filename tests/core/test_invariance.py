@@ -124,18 +124,24 @@ def test_a_kernel_refuses_arrays_that_are_not_its_own() -> None:
 
 
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="names processors of that kind")
-@pytest.mark.parametrize("name", ["advance", "advance_forces"])
-def test_the_same_bits_without_wide_vectors(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("name", "overrides"),
+    [
+        ("advance", ()),
+        ("advance_forces", ("train=hslm-a1", "bridge=whole-deck", "contact.static_load=physical")),
+    ],
+)
+def test_the_same_bits_without_wide_vectors(
+    name: str, overrides: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Code for the oldest processor of this kind: vectors of two, and multiply-adds by a library."""
-    train = "train=hslm-a1" if name == "advance_forces" else "train=paper"
-    one_beam = ("bridge=whole-deck", "contact.static_load=physical") if name == "advance_forces" else ()
-    case = paper(train, *one_beam, "sweep={velocity: [50, 60, 83.3]}", "solver.duration=1")
+    case = paper(*overrides, "sweep={velocity: [50, 60, 83.3]}", "solver.duration=1")
     here = _bits(Solver(case), [0, 1, 2])
     monkeypatch.setattr(native.llvm, "get_host_cpu_name", lambda: "x86-64")
     monkeypatch.setattr(native.llvm, "get_host_cpu_features", native.llvm.FeatureMap)
     code = object_code(name)
     assert b"fma" in code, "calls the library, as this processor has no such instruction"
-    monkeypatch.setitem(kernel_cache._functions, name, native.load(name, code))
+    monkeypatch.setitem(kernel_cache._functions, name, native.Loaded(name, code))
     assert _bits(Solver(case), [0, 1, 2]) == here
 
 
