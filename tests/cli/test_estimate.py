@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+
+import numpy as np
 import pytest
 
 from tbi_cli.case import load_case
@@ -48,3 +51,22 @@ def test_studies_share_what_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> Non
     lines = estimate(load_case("paper", overrides=[studies]))
     assert "scenarios  41" in lines
     assert any(line.startswith("steps      about ") for line in lines)
+
+
+def test_the_time_is_that_of_all_steps_of_all_coordinates(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pinned: 7 ns of one processor for a step of a coordinate, shared by the processors; 31 - 4 + 2 n of them."""
+    monkeypatch.setattr("tbi_cli.estimate.available_cpus", lambda: 3)
+    first = "sweep: {velocity: {from: 10, to: 60, count: 3000}}"
+    second = "sweep: {velocity: {from: 20, to: 30, count: 2000}}, bridge: {modes: 7}"
+    studies = f"studies={{a: {{{first}}}, b: {{{second}}}}}"
+    lines = dict(
+        line.split(maxsplit=1)
+        for line in estimate(load_case("paper", overrides=[studies, "solver.sampling=0.0001"]))
+    )
+    seconds = 0.0
+    for speeds, modes in ((np.linspace(10, 60, 3000), 4), (np.linspace(20, 30, 2000), 7)):
+        # Five crossing times of 50 m and 20 m between the outer axles, in steps of 0.1 ms.
+        seconds += float(np.sum(5 * 70 / speeds / 1e-4)) * (27 + 2 * modes) * 7e-9 / 3
+    found = re.fullmatch(r"about (\d+) s on 3 CPUs", lines["time"])
+    assert found and seconds > 10
+    assert int(found[1]) == pytest.approx(seconds, abs=0.51)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -77,6 +79,28 @@ def test_crawling_deflection_of_one_force_is_the_static_one() -> None:
     # The tail sum_{i=21,23,..} 1/i^4 is below the integral from 20 in steps of 2, 1/(6 20^3) = 2.1e-5.
     static = beam.static_deflection(1e5)
     assert 0 < 1 - crawling / static < 2.1e-5 * 96 / np.pi**4
+
+
+def test_crawling_deflection_of_a_train_longer_than_the_span() -> None:
+    """Unequal axles of which the heaviest come last, long after the first has left the bridge.
+
+    Against the closed influence line of the span, P a (3 L^2 - 4 a^2)/48EI with a to the nearer support, on a
+    grid of 1 mm.  The series of 20 modes is short of it by 2.1e-5 of one force at mid-span (above); the grid
+    misses the kink of the line, where its slope is zero on the average, by less than 1e-6.
+    """
+    random = np.random.default_rng(5)
+    beam = beam_modes(paper("bridge.modes=20", "bridge.length=18.3").bridge, paper().bridge.right)
+    offsets = np.cumsum(np.append(0.0, random.uniform(1.8, 9.0, 15)))
+    loads = np.append(random.uniform(4e4, 9e4, 12), random.uniform(16e4, 22e4, 4))
+    length, stiffness = 18.3, 207e9 * 0.2
+    assert offsets[-1] > 3 * length
+    beam = replace(beam, length=length, omega=(np.arange(1, 21) * np.pi / length) ** 2 * np.sqrt(2.07e6))
+    x = np.arange(0.0, length + offsets[-1], 1e-3)[:, None] - offsets
+    near = np.clip(np.minimum(x, length - x), 0.0, None)
+    line = near * (3 * length**2 - 4 * near**2) / (48 * stiffness)
+    expected = float(np.max(line @ loads))
+    assert np.max((line @ loads)[x[:, 0] <= length]) < 0.6 * expected
+    assert beam.crawling_deflection(loads, offsets) == pytest.approx(expected, rel=1e-4)
 
 
 def test_slow_trains_have_an_amplification_of_one() -> None:

@@ -92,8 +92,19 @@ def test_dead(tmp_path: Path, changes: dict[str, object]) -> None:
         store.write(batch(layout(), range(4)))
 
 
-@pytest.mark.parametrize("changes", [{"host": "node17"}, {"namespace": "pid:[1]"}])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"host": "node17"},
+        {"host": "node17", "pid": 2**22 + 1},
+        {"host": "node17", "boot": "of that machine", "pid": 2**22 + 1, "start": "1"},
+        {"namespace": "pid:[1]"},
+        {"namespace": "pid:[1]", "pid": 2**22 + 1},
+    ],
+    ids=["host", "no such process here", "another boot too", "namespace", "no such process in this one"],
+)
 def test_another_machines_lock_is_honoured_with_its_age(tmp_path: Path, changes: dict[str, object]) -> None:
+    """That no process here has the number says nothing of one elsewhere."""
     path = lock(tmp_path, **changes)
     file = tmp_path / "results.h5.parts" / "lock"
     os.utime(file, (time.time() - 7300, time.time() - 7300))

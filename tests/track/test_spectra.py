@@ -96,20 +96,43 @@ def test_cross_level_has_a_spectrum_of_its_own(name: str) -> None:
     agrees(k, height, SPECTRA[name].cross_level(np.maximum(k, 1e-3)), 3.0, 150.0)
 
 
-@pytest.mark.parametrize(
-    ("name", "wavenumber", "vertical", "cross_level"),
-    [
-        # Worked out by hand from the printed formulas, in m^2/(rad/m).
-        ("german-low", 0.5, 1.177237e-6, 2.664373e-6),
-        ("german-high", 2.0, 3.922489e-8, 1.497189e-7),
-        ("fra-1", 0.1, 2.982871e-3, 3.177145e-4),
-        ("fra-6", 1.0, 3.429757e-7, 1.151076e-6),
-    ],
-)
-def test_densities_at_a_wavenumber(name: str, wavenumber: float, vertical: float, cross_level: float) -> None:
-    at = np.array([wavenumber])
-    assert SPECTRA[name].vertical(at)[0] == pytest.approx(vertical, rel=1e-6)
-    assert SPECTRA[name].cross_level(at)[0] == pytest.approx(cross_level, rel=1e-6)
+# A (m rad) of the German spectra, W_r, W_c, W_s (rad/m): the table of Claus and Schiehlen (1998).
+GERMAN = {"german-low": 4.032e-7, "german-high": 1.080e-6}
+GERMAN_CORNERS = (0.0206, 0.8246, 0.4380)
+# Class, A_v (cm^2 rad/m), W_c, W_s (rad/m): the table of Fries and Coffey (1990) after Hamid et al. (1983).
+FRA = """
+    1  1.2107  0.8245  0.6046
+    2  1.0181  0.8245  0.9308
+    3  0.6816  0.8245  0.8520
+    4  0.5376  0.8245  1.1312
+    5  0.2095  0.8245  0.8209
+    6  0.0339  0.8245  0.4380
+"""
+
+
+def printed(name: str, k: float) -> tuple[float, float]:
+    """S_v and S_c (m^2/(rad/m)) at a wavenumber (rad/m), from the printed tables."""
+    if name in GERMAN:
+        low, corner, cross = GERMAN_CORNERS
+        vertical = GERMAN[name] / (k**2 + low**2) / (1 + (k / corner) ** 2)
+        return vertical, 4 * vertical / (1 + (cross / k) ** 2)
+    amplitude, corner, cross = next(
+        [float(word) for word in words[1:]]
+        for line in FRA.split("\n")
+        if (words := line.split()) and words[0] == name[-1]
+    )
+    centimetres = 0.25 * amplitude / k**2 / (1 + (k / corner) ** 2)  # cm^2/(rad/m)
+    ratio = 4 * k**2 / (k**2 + cross**2)
+    return centimetres / 1e4, ratio * centimetres / 1e4
+
+
+@pytest.mark.parametrize("name", sorted(SPECTRA))
+def test_densities_are_those_of_the_printed_tables(name: str) -> None:
+    """At wavenumbers below, between and above the corners, where each constant matters: to rounding."""
+    for k in (0.011, 0.0537, 0.31, 0.77, 1.3, 3.9):
+        vertical, cross_level = printed(name, k)
+        assert SPECTRA[name].vertical(np.array([k]))[0] == pytest.approx(vertical, rel=1e-12)
+        assert SPECTRA[name].cross_level(np.array([k]))[0] == pytest.approx(cross_level, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", sorted(SPECTRA))
