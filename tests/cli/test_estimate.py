@@ -54,7 +54,7 @@ def test_studies_share_what_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_the_time_is_that_of_all_steps_of_all_coordinates(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Pinned: 7 ns of one processor for a step of a coordinate, shared by the processors; 31 - 4 + 2 n of them."""
+    """Pinned: 7 ns of a processor for a step of a coordinate, shared by all processors."""
     monkeypatch.setattr("tbi_cli.estimate.available_cpus", lambda: 3)
     first = "sweep: {velocity: {from: 10, to: 60, count: 3000}}"
     second = "sweep: {velocity: {from: 20, to: 30, count: 2000}}, bridge: {modes: 7}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,10 @@ import pytest
 from tbi_cli.store import ResultsStore, merge
 from tests.store.example import batch, batches, content, layout, solve
 from tests.store.power_cut import Call, Disk, State, check_order, record, restore
+
+pytestmark = pytest.mark.skipif(
+    not shutil.which("strace"), reason="no strace here; Debian: apt-get install strace"
+)
 
 HEAD = """
 import sys
@@ -136,3 +141,22 @@ def test_a_text(tmp_path: Path) -> None:
         last = dict(state)["note.json"]
         assert last in (b"old", b"new " * 5000), which
     assert last == b"new " * 5000
+
+
+def test_the_command(tmp_path: Path) -> None:
+    """`tbi run` of two studies with two threads: every file in order, and no other file is written."""
+    folder = tmp_path / "run"
+    folder.mkdir()
+    command = """
+import sys
+from tbi_cli.__main__ import main
+studies = "studies={a: {sweep: {velocity: [60, 70]}}, b: {sweep: {bridge.modes: [2, 3]}}}"
+sys.argv[:] = ["tbi", "run", "paper", "-j2", "-o", sys.argv[1] + "/r.h5", "--set", "solver.duration=0.1"]
+sys.argv += ["--set", studies]
+main()
+"""
+    taken = check_order(record(command, folder, tmp_path / "log"), TEMPORARY)
+    assert taken[0] == "r.h5.parts/studies.json" and taken[-1] == "r.h5"
+    names = [f"r.h5.parts/{study}/{name}" for study in "ab" for name in ("layout.json", "000000.h5")]
+    assert set(names) <= set(taken)
+    assert [path.name for path in folder.iterdir()] == ["r.h5"]
