@@ -3,6 +3,9 @@
  * The same mathematics as tbi_cli/integrator/kernel.py, written as a C programmer would: sizes are constants, the
  * matrix is a table of (row, column), every channel is reduced at every step.  terms.h is written by peers/c.py.
  */
+#if defined(STRICT) && defined(__AVX512F__)
+#include <immintrin.h>
+#endif
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -13,7 +16,18 @@ typedef double v8 __attribute__((vector_size(64)));
 typedef int64_t m8 __attribute__((vector_size(64)));
 
 static inline v8 all(double x) { return (v8){x, x, x, x, x, x, x, x}; }
-static inline v8 fma8(v8 a, v8 b, v8 c) { return a * b + c; } /* contracted by -ffp-contract=fast */
+/* With STRICT only what is written as fma8 is one operation, as in our kernel; else the compiler may contract more. */
+static inline v8 fma8(v8 a, v8 b, v8 c) {
+#if defined(STRICT) && defined(__AVX512F__)
+    return (v8)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+#elif defined(STRICT)
+    v8 sum;
+    for (int l = 0; l < 8; l++) sum[l] = __builtin_fma(a[l], b[l], c[l]);
+    return sum;
+#else
+    return a * b + c;
+#endif
+}
 static inline v8 pick(m8 where, v8 a, v8 b) { return (v8)((where & (m8)a) | (~where & (m8)b)); }
 static inline int any(m8 m) {
     return (m[0] | m[1] | m[2] | m[3] | m[4] | m[5] | m[6] | m[7]) != 0;
