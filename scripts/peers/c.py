@@ -15,8 +15,8 @@ from tbi_cli.batch import Batch
 from tbi_cli.integrator.arrays import ROW
 
 _FLAGS = ["-O3", "-march=native", "-mprefer-vector-width=512", "-fno-math-errno"]
-#: What the compiler may do to the arithmetic: as our kernel, fused and ordered as it is written; fused wherever
-#: that is faster; or sums in any order too.
+#: What the compiler may do to the sums: as our kernel, fused and ordered as they are written; fused wherever
+#: that is faster; or in any order too.
 ARITHMETIC = {
     "as written": ["-ffp-contract=off", "-DSTRICT"],
     "contracted": ["-ffp-contract=fast"],

@@ -145,6 +145,23 @@ def test_the_same_bits_without_wide_vectors(
     assert _bits(Solver(case), [0, 1, 2]) == here
 
 
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="names a processor of that kind")
+@pytest.mark.parametrize("name", ["advance", "advance_exactly"])
+def test_eight_lanes_are_one_register_where_the_processor_has_wide_ones(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Code for a processor with vector units of 512 bits, which LLVM makes on any machine of this kind.
+
+    A compiler that split the lanes in two would name registers of 256 bits throughout; scalars, as places in
+    memory are, take those of 128.
+    """
+    monkeypatch.setattr(native.llvm, "get_host_cpu_name", lambda: "x86-64-v4")
+    monkeypatch.setattr(native.llvm, "get_host_cpu_features", native.llvm.FeatureMap)
+    assembly = native.target_machine().emit_assembly(module(name))
+    wide, half = assembly.count("%zmm"), assembly.count("%ymm")
+    assert wide > 100 and half < 0.05 * wide
+
+
 def test_failed_scenarios_fail_alone() -> None:
     """A state that overflows is recorded with its message; its neighbours have the bits that they have alone.
 
