@@ -13,6 +13,7 @@ from tbi_cli.case.checks import Finding, contradictions, oddities, sweep_contrad
 from tbi_cli.case.document import Document, ExtraAxis
 from tbi_cli.case.keys import accepts, fields_of, is_list, part_of
 from tbi_cli.case.messages import MOST_ERRORS, CaseError, Place, Problem, fail, in_order, quoted, suggestion
+from tbi_cli.case.mixed_units import mixed_lists
 from tbi_cli.case.model import Case, union
 from tbi_cli.case.part import Part
 from tbi_cli.case.ranges import MAX_VALUES
@@ -93,7 +94,8 @@ def _validated(document: Document, sweep: Sweep, strict: bool) -> Case:
         problems += _located(sweep_contradictions(case, axes), root)
     if case is not None and not problems:
         has_unit = lru_cache(lambda key: _has_unit(root, key))
-        warnings = _located(oddities(case, axes, has_unit), root)
+        warnings = [*mixed_lists(root, case.train.model), *sweep.warnings]
+        warnings += _located(oddities(case, axes, has_unit), root)
         if not strict or not warnings:
             return case.swept(axes, tuple(warning.render("warning") for warning in warnings))
         problems = warnings

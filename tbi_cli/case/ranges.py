@@ -5,18 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from fractions import Fraction
 from itertools import pairwise
 
 from tbi_cli.case.fields import FACTOR, BadValueError, Numeric, Quantity
-from tbi_cli.case.messages import Place, quoted, suggestion
+from tbi_cli.case.messages import Place, plain_number, quoted, suggestion
+from tbi_cli.case.mixed_units import mixture
 from tbi_cli.case.refinement import REFINE_KEYS, Refinement, read_refine
+from tbi_cli.case.spaced import by_ratio, by_steps
+from tbi_cli.case.units import exact_si, has_unit
 from tbi_cli.case.yaml12 import Items, Mapping, Node, entry_place, node_place, plain
 
 MAX_VALUES = 500_000  # of all axes together
 _FORMS = "a list of values, {from, to, step}, {from, to, count} or {log: {from, to, count}}"
 _MOST_FAULTS = 100
 _KEYS = ("from", "to", "step", "count", "log")
+_ON_THE_GRID = Fraction(1, 10**9)  # of a step, by which `to` may be beside the grid
 Given = dict[str, object]
+Wanted = tuple[Node, Place, str, Numeric]
 
 
 @dataclass(frozen=True)
@@ -41,7 +47,8 @@ class Range:
     """Reads the values of an axis.
 
     `leaf` is what its key accepts, `place` where it stands, `most` how many values there may be; `repeats`
-    allows equal ones, `refines` a refinement, which is in `refinement` once the axis is read.
+    allows equal ones, `refines` a refinement, which is in `refinement` once the axis is read. `warnings` is
+    what is odd about it.
     """
 
     leaf: Numeric
@@ -50,6 +57,7 @@ class Range:
     repeats: bool = False
     refines: bool = False
     refinement: Refinement | None = field(default=None, init=False)
+    warnings: list[Fault] = field(default_factory=list, init=False)
 
     def read(self, node: Node) -> tuple[tuple[float, ...], Given | None]:
         """The values in SI, and the form in which they are given, if not as a list. Raises AxisError."""
@@ -74,10 +82,11 @@ class Range:
         forms = _FORMS.removeprefix("a list of values, ")
         raise AxisError(Fault(self.place, f"expected {forms}, got {{{', '.join(node.entries)}}}"))
 
-    def numbers(self, wanted: Iterable[tuple[Node, Place, str, Numeric]]) -> list[float]:
+    def numbers(self, wanted: Iterable[Wanted]) -> list[float]:
         """The numbers at these nodes; the AxisError names those that are not accepted."""
         values: list[float] = []
         faults: list[Fault] = []
+        wanted = list(wanted)
         for node, place, key, leaf in wanted:
             try:
                 values.append(float(leaf.parse(plain(node))))
@@ -87,6 +96,10 @@ class Range:
                     break
         if faults:
             raise AxisError(*faults)
+        mixed = mixture([(plain(node), leaf) for node, _, _, leaf in wanted])
+        if mixed:
+            _, place, key, _ = wanted[mixed[0]]
+            self.warnings.append(Fault(place, mixed[1], key))
         return values
 
     def _listed(self, node: Items) -> tuple[float, ...]:
@@ -103,26 +116,27 @@ class Range:
             first.setdefault(value, number)
         return tuple(values)
 
-    def _stepped(self, node: Mapping) -> tuple[tuple[float, ...], Given]:
+    def _stepped(self, node: Mapping, parts: int = 1) -> tuple[tuple[float, ...], Given]:
+        """The values by steps, each of which is in so many equal parts."""
         dimension, example = (
             (self.leaf.dimension, self.leaf.example) if isinstance(self.leaf, Quantity) else (FACTOR, "1")
         )
         any_step = Quantity("step", dimension, example, "any")
         leaves: dict[str, Numeric] = {"from": self.leaf, "to": self.leaf, "step": any_step}
-        first, last, step = self._at(node, leaves)
+        (first, last, step), given = self._exact(node, leaves)
         where = entry_place(node.entries["step"])
         if step == 0:
             raise AxisError(Fault(where, "expected a step other than 0", "step"))
         if (last - first) * step < 0:
             direction = "positive" if last > first else "negative"
-            text = f"expected a {direction} step to go from {first:.6g} to {last:.6g}, got {step:.6g}"
+            ends = f"{float(first):.6g} to {float(last):.6g}"
+            text = f"expected a {direction} step to go from {ends}, got {float(step):.6g}"
             raise AxisError(Fault(where, text, "step"))
-        intervals = (last - first) / step
+        # `to` belongs to the axis when it lies on the grid, were it not for the rounding of what was written.
+        intervals = math.floor((last - first) / step + _ON_THE_GRID) * parts
         if intervals + 1 > self.most:
             raise AxisError(Fault(where, self._too_many(intervals + 1), "step"))
-        # `to` belongs to the axis when it lies on the grid, whatever the rounding of the division.
-        values = tuple(first + i * step for i in range(math.floor(intervals + 1e-9) + 1))
-        return self._checked(values, where, "step"), {"from": first, "to": last, "step": step}
+        return self._checked(by_steps(first, step / parts, intervals + 1), where, "step"), given
 
     def _refined(self, node: Mapping) -> tuple[tuple[float, ...], Given]:
         """All values that {from, to, step, refine, tolerance, channels} may come to have."""
@@ -137,52 +151,55 @@ class Range:
         if refinement is None:
             raise AxisError(*(Fault(entry_place(node.entries[key]), text, key) for key, text in problems))
         object.__setattr__(self, "refinement", refinement)
-        values, given = self._stepped(node)
-        where, step = entry_place(node.entries["step"]), float(given["step"])  # type: ignore[arg-type]
-        count = (len(values) - 1) * refinement.per_step + 1
-        if count > self.most:
-            raise AxisError(Fault(where, self._too_many(count), "step"))
-        if len(values) < 2 or step < 0:
+        values, given = self._stepped(node, refinement.per_step)
+        if len(values) < 2 or values[1] < values[0]:
+            where = entry_place(node.entries["step"])
             raise AxisError(Fault(where, "expected a positive step, smaller than from to", "step"))
-        finer = tuple(values[0] + (k / refinement.per_step) * step for k in range(count))
         shown = [] if refinement.channels is None else [("channels", list(refinement.channels))]
-        return finer, given | {"refine": "resonance", "tolerance": refinement.tolerance, **dict(shown)}
+        return values, given | {"refine": "resonance", "tolerance": refinement.tolerance, **dict(shown)}
 
     def _counted(self, node: Mapping) -> tuple[tuple[float, ...], Given]:
-        first, last = self._at(node, {"from": self.leaf, "to": self.leaf})
-        count = self._count(node, "count")
-        steps = max(count - 1, 1)
-        # Written so that the last value is `to` to the last digit.
-        values = tuple(first * ((steps - i) / steps) + last * (i / steps) for i in range(count))
-        given: Given = {"from": first, "to": last, "count": count}
-        return self._checked(values, entry_place(node.entries["count"]), "count"), given
+        (first, last), given = self._exact(node, {"from": self.leaf, "to": self.leaf})
+        count = self._count(node, "count", first, last)
+        values = by_steps(first, (last - first) / max(count - 1, 1), count)
+        return self._checked(values, entry_place(node.entries["count"]), "count"), given | {"count": count}
 
     def _logarithmic(self, outer: Mapping) -> tuple[tuple[float, ...], Given]:
         node = outer.entries["log"].value
         if not isinstance(node, Mapping) or set(node.entries) != {"from", "to", "count"}:
             raise AxisError(Fault(entry_place(outer.entries["log"]), "expected {from, to, count}", "log"))
-        first, last = self._at(node, {"from": self.leaf, "to": self.leaf}, "log.")
+        (first, last), given = self._exact(node, {"from": self.leaf, "to": self.leaf}, "log.")
         ends = (("from", first), ("to", last))
         bad = [
             Fault(entry_place(node.entries[key]), f"expected a positive number, got {end:.6g}", f"log.{key}")
-            for key, end in ends
+            for key, end in ((key, float(end)) for key, end in ends)
             if end <= 0
         ]
         if bad:
             raise AxisError(*bad)
-        count = self._count(node, "log.count")
-        inner = (first * (last / first) ** (i / (count - 1)) for i in range(1, count - 1))
-        values = (first, *inner, last) if count > 1 else (first,)
-        given: Given = {"log": {"from": first, "to": last, "count": count}}
+        count = self._count(node, "log.count", first, last)
+        values = by_ratio(first, last, count)
+        given = {"log": given | {"count": count}}
         return self._checked(values, entry_place(node.entries["count"]), "log.count"), given
 
-    def _at(self, node: Mapping, leaves: dict[str, Numeric], before: str = "") -> list[float]:
-        entries = ((key, node.entries[key], leaf) for key, leaf in leaves.items())
-        return self.numbers(
-            (entry.value, entry_place(entry), before + key, leaf) for key, entry, leaf in entries
-        )
+    def _exact(
+        self, node: Mapping, leaves: dict[str, Numeric], before: str = ""
+    ) -> tuple[list[Fraction], Given]:
+        """The numbers at these keys as they are written, and as they stand in a resolved case.
 
-    def _count(self, node: Mapping, key: str) -> int:
+        There they are floats in SI, or with units where these would not give the same values: 100 km/h.
+        """
+        entries = [(node.entries[key], key, leaf) for key, leaf in leaves.items()]
+        self.numbers((entry.value, entry_place(entry), before + key, leaf) for entry, key, leaf in entries)
+        unit = self.leaf.dimension.unit if isinstance(self.leaf, Quantity) else "1"
+        written = [plain(entry.value) for entry, _, _ in entries]
+        exact = [exact_si(value, unit) for value in written]
+        if all(exact_si(float(number), unit) == number for number in exact):
+            return exact, {key: float(number) for key, number in zip(leaves, exact, strict=True)}
+        texts = [str(value).strip() if has_unit(value) else f"{value} {unit}" for value in written]
+        return exact, dict(zip(leaves, texts, strict=True))
+
+    def _count(self, node: Mapping, key: str, first: Fraction, last: Fraction) -> int:
         entry = node.entries["count"]
         count = plain(entry.value)
         if isinstance(count, bool) or not isinstance(count, int) or count < 1:
@@ -190,6 +207,10 @@ class Range:
             raise AxisError(Fault(entry_place(entry), text, key))
         if count > self.most:
             raise AxisError(Fault(entry_place(entry), self._too_many(count), key))
+        if count == 1 and first != last:
+            alone, left_out = (plain_number(float(end)) for end in (first, last))
+            text = f"a count of 1 is the value {alone} alone; {left_out}, to, is left out"
+            self.warnings.append(Fault(entry_place(entry), text, key))
         return count
 
     def _too_many(self, count: float) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ from tbi_cli.case.axes import Axis, joined
 from tbi_cli.case.fields import BadValueError, Numeric, Quantity
 from tbi_cli.case.keys import Chain
 from tbi_cli.case.messages import Place, quoted, suggestion
-from tbi_cli.case.ranges import AxisError, Fault, Range
+from tbi_cli.case.ranges import AxisError, Fault, Range, Wanted
 from tbi_cli.case.yaml12 import Entry, Items, Mapping, entry_place, node_place, plain
 
 KINDS = ("latin-hypercube", "sobol", "random")
@@ -61,8 +61,8 @@ class Distribution:
         return given | {WITHIN: list(self.within)} if self.within else given
 
 
-def read_sample(entry: Entry, number_at: NumberAt, most: int) -> Axis:
-    """The axis `sample` of at most `most` cases. Raises AxisError.
+def read_sample(entry: Entry, number_at: NumberAt, most: int) -> tuple[Axis, list[Fault]]:
+    """The axis `sample` of at most `most` cases, and what is odd about it. Raises AxisError.
 
     The draws depend on the seed, the kind, the count and the order of the keys alone, so that every shard
     of a run and every resumed run sees the same.
@@ -98,6 +98,7 @@ def read_sample(entry: Entry, number_at: NumberAt, most: int) -> Axis:
             text = f"expected a whole number from {low} to {high}, got {quoted(value)}"
             faults.append(Fault(entry_place(node.entries[key]), text, key))
     found: list[tuple[str, Distribution, Quantity, tuple[str, ...], tuple[Chain, ...]]] = []
+    odd: list[Fault] = []
     for key, item in over.value.entries.items():
         where = entry_place(item)
         try:
@@ -106,11 +107,11 @@ def read_sample(entry: Entry, number_at: NumberAt, most: int) -> Axis:
                 raise AxisError(Fault(where, "a whole number cannot be drawn from a distribution"))
             if any(set(paths) & set(other[3]) for other in found):
                 raise AxisError(Fault(where, "sets the same key as another one"))
-            found.append((key, _distribution(item, leaf, where), leaf, paths, chains))
+            distribution, mixed = _distribution(item, leaf, where)
+            found.append((key, distribution, leaf, paths, chains))
+            odd += _below(f"over.{key}", mixed)
         except AxisError as error:
-            faults += [
-                Fault(f.place, f.text, ".".join(filter(None, ("over", key, f.key)))) for f in error.faults
-            ]
+            faults += _below(f"over.{key}", error.faults)
     if faults:
         raise AxisError(*faults)
     draws = _draws(kind, count, len(found), seed)
@@ -122,7 +123,11 @@ def read_sample(entry: Entry, number_at: NumberAt, most: int) -> Axis:
         members.append(Axis(key, name, paths, values, leaf.dimension.unit, leaf.text, chains=chains))
     axis = joined("sample", "sample", tuple(members), "number of the case in the sample")
     given = {"kind": kind, "count": count, "seed": seed, "over": {key: d.given() for key, d, *_ in found}}
-    return Axis(**{**axis.__dict__, "given": given})
+    return Axis(**{**axis.__dict__, "given": given}), odd
+
+
+def _below(key: str, faults: Iterable[Fault]) -> list[Fault]:
+    return [Fault(fault.place, fault.text, f"{key}.{fault.key}".rstrip(".")) for fault in faults]
 
 
 def _draws(kind: str, count: int, keys: int, seed: int) -> Any:
@@ -142,7 +147,7 @@ def _draws(kind: str, count: int, keys: int, seed: int) -> Any:
     return np.clip(draws, tiny, 1 - tiny)
 
 
-def _distribution(entry: Entry, leaf: Quantity, place: Place) -> Distribution:
+def _distribution(entry: Entry, leaf: Quantity, place: Place) -> tuple[Distribution, list[Fault]]:
     node = entry.value
     kinds = [key for key in node.entries if key in DISTRIBUTIONS] if isinstance(node, Mapping) else []
     if not isinstance(node, Mapping) or len(kinds) != 1 or set(node.entries) - {*kinds, WITHIN}:
@@ -156,26 +161,25 @@ def _distribution(entry: Entry, leaf: Quantity, place: Place) -> Distribution:
     kind = kinds[0]
     spread = Quantity(leaf.text, leaf.dimension, leaf.example, "positive")
     leaves = [spread if what == "standard deviation" else leaf for what in DISTRIBUTIONS[kind]]
-    numbers = _numbers(node.entries[kind], kind, DISTRIBUTIONS[kind], leaves)
-    within = (
-        _numbers(node.entries[WITHIN], WITHIN, ("low", "high"), [leaf, leaf])
-        if WITHIN in node.entries
-        else ()
-    )
-    for key, values in ((kind, numbers if kind != "normal" else ()), (WITHIN, within)):
-        if values and not (sorted(values) == list(values) and values[0] < values[-1]):
+    wanted = _wanted(node.entries[kind], kind, DISTRIBUTIONS[kind], leaves)
+    if WITHIN in node.entries:
+        wanted += _wanted(node.entries[WITHIN], WITHIN, ("low", "high"), [leaf, leaf])
+    reader = Range(leaf, place, len(wanted))
+    values = reader.numbers(wanted)
+    numbers, within = values[: len(leaves)], values[len(leaves) :]
+    for key, rising in ((kind, numbers if kind != "normal" else []), (WITHIN, within)):
+        if rising and not (sorted(rising) == rising and rising[0] < rising[-1]):
             raise AxisError(Fault(entry_place(node.entries[key]), "expected rising numbers", key))
     if kind == "loguniform" and numbers[0] <= 0:
         raise AxisError(Fault(entry_place(node.entries[kind]), "expected positive numbers", kind))
-    return Distribution(kind, tuple(numbers), (within[0], within[1]) if within else None)
+    return Distribution(kind, tuple(numbers), (within[0], within[1]) if within else None), reader.warnings
 
 
-def _numbers(entry: Entry, key: str, names: Sequence[str], leaves: Sequence[Quantity]) -> list[float]:
+def _wanted(entry: Entry, key: str, names: Sequence[str], leaves: Sequence[Quantity]) -> list[Wanted]:
     node, place = entry.value, entry_place(entry)
     if not isinstance(node, Items) or len(node.items) != len(names):
         raise AxisError(Fault(place, f"expected [{', '.join(names)}], got {quoted(plain(node))}", key))
-    wanted = ((item, node_place(item), key, leaf) for item, leaf in zip(node.items, leaves, strict=True))
-    return Range(leaves[0], place, len(names)).numbers(wanted)
+    return [(item, node_place(item), key, leaf) for item, leaf in zip(node.items, leaves, strict=True)]
 
 
 def _check(values: Sequence[float], leaf: Quantity, place: Place, key: str) -> None:

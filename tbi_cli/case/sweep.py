@@ -21,7 +21,8 @@ ZIP, SAMPLE = "zip", "sample"
 class Sweep:
     """Reads the axes under `sweep:`, of at most `most` values together.
 
-    Afterwards `axes` and `problems` are what there is to know, and `size` is how many values there are.
+    Afterwards `axes`, `problems` and `warnings` are what there is to know, and `size` is how many values
+    there are.
     """
 
     def __init__(self, root: Mapping, most: int = MAX_VALUES) -> None:
@@ -29,6 +30,7 @@ class Sweep:
         self.size = 0
         self.axes: tuple[Axis, ...] = ()
         self.problems: list[Problem] = []
+        self.warnings: list[Problem] = []
         self._case = plain(
             Mapping(root.source, 1, 1, entries={k: v for k, v in root.entries.items() if k != "sweep"})
         )
@@ -53,7 +55,8 @@ class Sweep:
             most = self._most - self.size
             try:
                 if key == SAMPLE:
-                    axis = read_sample(axis_entry, self.number_at, most)
+                    axis, odd = read_sample(axis_entry, self.number_at, most)
+                    self.warnings += [_problem(key, fault) for fault in odd]
                 else:
                     axis = self.axis(key, axis_entry, most, repeats=key in zipped)
                 self.size += len(axis) * max(len(axis.members), 1)
@@ -79,9 +82,7 @@ class Sweep:
         self.axes = tuple(axes)
 
     def _report(self, key: str, fault: Fault) -> None:
-        self.problems.append(
-            Problem(fault.place, ".".join(filter(None, ("sweep", key, fault.key))), fault.text)
-        )
+        self.problems.append(_problem(key, fault))
 
     def axis(self, key: str, entry: Entry, most: int, repeats: bool) -> Axis:
         """One axis of at most `most` values; `repeats` allows equal ones. Raises AxisError."""
@@ -90,6 +91,7 @@ class Sweep:
         refines = paths == ("velocity",) and not repeats
         reader = Range(leaf, place, most, repeats, refines)
         values, given = reader.read(entry.value)
+        self.warnings += [_problem(key, fault) for fault in reader.warnings]
         return Axis(
             key=key,
             name=key.replace(".", "_"),
@@ -124,6 +126,10 @@ class Sweep:
             text = "the two beams give their damping in different forms, so that one axis cannot set both"
             raise AxisError(Fault(place, text))
         return found[0][0], paths, tuple(chain for _, chain in found)
+
+
+def _problem(key: str, fault: Fault) -> Problem:
+    return Problem(fault.place, ".".join(filter(None, ("sweep", key, fault.key))), fault.text)
 
 
 def _groups(node: Node | None) -> list[list[Any]]:

@@ -39,22 +39,55 @@ def to_si(text: str, unit: str) -> float:
     A text without a unit is a number in SI. Raises UnitError when it is not a number with a unit of the same
     dimension as `unit`.
     """
+    number, factor = _number_and_factor(text, unit)
+    if factor is None:
+        return float(number)
+    # The quotient of two whole numbers is rounded once; fractions would do the same ten times slower.
+    above, below = Decimal(number).as_integer_ratio()
+    return (above * factor.numerator) / (below * factor.denominator)
+
+
+def exact_si(value: str | float, unit: str) -> Fraction:
+    """What `to_si` rounds to a float; a float is taken for the shortest decimal that reads as it: 0.1.
+
+    Raises UnitError like `to_si`.
+    """
+    if not isinstance(value, str):
+        return Fraction(float.__repr__(float(value)))
+    number, factor = _number_and_factor(value, unit)
+    return Fraction(number) * (1 if factor is None else factor)
+
+
+def has_unit(value: object) -> bool | None:
+    """Whether a number carries a unit; None for what is no number, and for 0, which needs none."""
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        return None
+    found = _WITH_UNIT.fullmatch(str(value).strip())
+    if not found or len(found[1]) > _MAX_NUMBER or float(found[1]) == 0:
+        return None
+    return bool(found[2].strip())
+
+
+def _number_and_factor(text: str, unit: str) -> tuple[str, Fraction | None]:
+    """The digits of `text`, and the factor to `unit` of the unit that it carries, if it carries one."""
     found = _WITH_UNIT.fullmatch(text.strip())
     if not found or len(found[1]) > _MAX_NUMBER:
         raise UnitError("no number")
     number, written = found[1], found[2].strip()
-    if not math.isfinite(float(number)):
+    size = abs(float(number))
+    if not math.isfinite(size):
         raise UnitError("too large")
+    # Rounded to 0: its exact value would have as many digits as its exponent says.
+    if size == 0 and not Decimal(number).is_zero():
+        raise UnitError("too small")
     if not written:
-        return float(number)
-    if abs(float(number)) > 1e200 or 0 < abs(float(number)) < 1e-200:
+        return number, None
+    if size > 1e200 or 0 < size < 1e-200:
         raise UnitError("too large or too small")
     factor, dimension = _unit(written)
     if dimension != _unit(unit)[1]:
         raise UnitError(f'"{written}" is {_named(dimension)}')
-    # The quotient of two whole numbers is rounded once; fractions would do the same ten times slower.
-    above, below = Decimal(number).as_integer_ratio()
-    return (above * factor.numerator) / (below * factor.denominator)
+    return number, factor
 
 
 @lru_cache(maxsize=1024)

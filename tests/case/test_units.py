@@ -73,6 +73,7 @@ def test_units_convert(written: str, unit: str, value: float) -> None:
         ("1e999 m", "m", "too large"),
         ("1e300 m", "m", "too large or too small"),
         ("1e-300 m", "m", "too large or too small"),
+        ("1e-999999999 m", "m", "too small"),
         ("kN", "N", "no number"),
         ("", "m", "no number"),
         ("five m", "m", "no number"),
