@@ -94,8 +94,8 @@ def _described(solver: Solver) -> list[str]:
 def _ends(axis: Axis) -> str:
     """From where to where an axis goes, with its unit."""
     unit = "" if axis.units == "1" else f" {axis.units}"
-    first, *others = axis.values
-    return f"{first:g} to {others[-1]:g}{unit}" if others else f"{first:g}{unit}"
+    first, last = min(axis.values), max(axis.values)
+    return f"{first:g} to {last:g}{unit}" if len(axis) > 1 else f"{first:g}{unit}"
 
 
 def _coordinates(solver: Solver) -> int:

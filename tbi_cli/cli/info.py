@@ -74,7 +74,7 @@ def _show(opened: Results, verbose: bool) -> None:
     for dim in opened.dims:
         unit = "" if dim.units == "1" else f" {dim.units}"
         count = len(dim.values)
-        ends = f"{dim.values[0]:g} to {dim.values[-1]:g}" if count > 1 else f"{dim.values[0]:g}"
+        ends = f"{dim.values.min():g} to {dim.values.max():g}" if count > 1 else f"{dim.values[0]:g}"
         print(f"axis           {dim.name}: {count} value{'s' if count > 1 else ''}, {ends}{unit}")
     done, failed = int(np.sum(status == DONE)), int(np.sum(status == FAILED))
     print(f"scenarios      {status.size}: {done} done, {failed} failed, {status.size - done - failed} to do")

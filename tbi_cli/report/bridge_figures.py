@@ -45,7 +45,7 @@ class Sweep:
     def sides(self) -> tuple[str, ...]:
         """The beams; one for two that do the same."""
         names = [side for side in SIDES if self.study.has("peak", f"{side}_midspan")]
-        tables = [self.study.results.table("peak", f"{side}_midspan") for side in names]
+        tables = [self.study.table("peak", f"{side}_midspan") for side in names]
         alike = len(tables) == 2 and np.allclose(tables[0], tables[1], rtol=1e-9, atol=0, equal_nan=True)
         return tuple(names[:1] if alike else names)
 

@@ -100,10 +100,9 @@ class Evidence:
                 or not study.has(table, channel)
             ):
                 continue
-            order = np.argsort(axis.values)
-            values = study.along(table, channel, [axis], place)[order]
+            values = study.along(table, channel, [axis], place)
             if np.isfinite(values).all():
-                return Curve(axis.values[order], values)
+                return Curve(axis.values, values)
         return None
 
     def values_of(self, key: str) -> list[float]:
@@ -116,7 +115,7 @@ class Evidence:
                 and velocity is not None
                 and len(velocity.values) >= _FEWEST_SPEEDS
             ):
-                return sorted(axis.values.tolist())
+                return list(axis.values.tolist())
         return []
 
 

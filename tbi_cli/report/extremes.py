@@ -33,13 +33,13 @@ def extremes(study: Study) -> Table:
     critical: dict[tuple[object, ...], tuple[Cell, ...]] = {}
     rows: list[tuple[Cell, ...]] = []
     for variable in study.results.channels:
-        values = study.results.table(table_of(variable), variable.name)
+        values = study.table(table_of(variable), variable.name)
         if not np.isfinite(values).any():
             continue
         flat = int(np.nanargmax(values))
         at = dict(zip((a.name for a in study.axes), np.unravel_index(flat, values.shape), strict=True))
         place = {name: int(index) for name, index in at.items()}
-        time = study.results.table("time_of_peak", variable.name).flat[flat]
+        time = study.table("time_of_peak", variable.name).flat[flat]
         row: list[Cell] = [variable.name, words.full_name(variable), variable.units]
         row += [float(values.flat[flat]), float(time)]
         row += [float(axis.values[place[axis.name]]) for axis in study.varied]

@@ -27,23 +27,21 @@ def heat_panel(
     variable = study.variable(table, channel)
     if variable is None:
         return None
-    columns, rows = np.argsort(x.values), np.argsort(y.values)
-    values = study.along(table, channel, [y, x], place)[np.ix_(rows, columns)]
     name = "dynamic amplification factor" if table == "daf" else words.quantity_of(variable)
     return HeatPanel(
         title=title,
         x=axis_of(x),
         y=axis_of(y),
         values_of=Axis(words.of_table(table, name), variable.units),
-        columns=x.values[columns],
-        rows=y.values[rows],
-        values=values,
-        lines=_critical_lines(study, channel, x, y, rows if x.paths == _VELOCITY else columns, place),
+        columns=x.values,
+        rows=y.values,
+        values=study.along(table, channel, [y, x], place),
+        lines=_critical_lines(study, channel, x, y, place),
     )
 
 
 def _critical_lines(
-    study: Study, channel: str, x: StudyAxis, y: StudyAxis, order: np.ndarray, place: Mapping[str, int]
+    study: Study, channel: str, x: StudyAxis, y: StudyAxis, place: Mapping[str, int]
 ) -> tuple[Curve, ...]:
     """The critical velocity of each mode and beam along the other axis; none where no axis is velocity.
 
@@ -53,11 +51,11 @@ def _critical_lines(
         return ()
     other = y if x.paths == _VELOCITY else x
     found: dict[tuple[str, str], list[tuple[float, float]]] = {}
-    for index in order:
-        case = study.case_at({**place, other.name: int(index)})
+    for index, value in enumerate(other.values.tolist()):
+        case = study.case_at({**place, other.name: index})
         for of_mode in marks.critical(case, marks.side_of([channel])) if case else []:
             for velocity, beam in of_mode.values:
-                found.setdefault((of_mode.label, beam), []).append((velocity, float(other.values[index])))
+                found.setdefault((of_mode.label, beam), []).append((velocity, value))
     lines = []
     for (mark, beam), points in found.items():
         velocities, values = (np.array(column) for column in zip(*points, strict=True))

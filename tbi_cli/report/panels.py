@@ -19,7 +19,7 @@ _SHOWN_CROSSINGS = 2.0
 
 @dataclass(frozen=True)
 class Family:
-    """The axis of which every value is a curve, and which values are drawn."""
+    """The axis of which every value is a curve, and which values are drawn, in the order of the file."""
 
     axis: StudyAxis
     members: tuple[int, ...]
@@ -29,7 +29,7 @@ class Family:
         """All values of an axis, or `most` of them, evenly spread, the first and the last among them."""
         count = len(axis.values)
         spread = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
-        return cls(axis, tuple(spread.tolist()))
+        return cls(axis, tuple(sorted(spread.tolist(), key=lambda member: int(axis.order[member]))))
 
     @property
     def legend(self) -> tuple[str, str]:

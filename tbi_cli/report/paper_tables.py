@@ -70,11 +70,10 @@ def by_modes(study: Study) -> Table | None:
     )
     if axis is None or not axis.varies or not all(study.has("rms", channel) for channel, _ in columns):
         return None
-    order = np.argsort(axis.values)
-    cells: list[list[Cell]] = [[int(axis.values[k]) for k in order]]
+    cells: list[list[Cell]] = [[int(value) for value in axis.values]]
     heads = ["modes"]
     for channel, title in columns:
-        rms = study.along("rms", channel, [axis], {})[order]
+        rms = study.along("rms", channel, [axis], {})
         cells += [_cells(rms), [None, *_cells(100 * np.abs(np.diff(rms)) / rms[:-1])]]
         heads += [f"RMS of {title}", "change [%]"]
     return Table(
@@ -87,7 +86,7 @@ def by_sampling(study: Study) -> Table | None:
     axis, velocity = study.axis("sampling"), study.axis("velocity")
     if axis is None or not axis.varies or not all(study.has("rms", channel) for channel, _ in _RMS_CHANNELS):
         return None
-    order = np.argsort(-axis.values)
+    order = np.arange(len(axis.values))[::-1]  # the finest last
     speeds = velocity.values if velocity is not None else np.array([study.value("velocity", {}) or np.nan])
     rows: list[tuple[Cell, ...]] = []
     for channel, title in _RMS_CHANNELS:

@@ -1,17 +1,24 @@
-"""A results file as a study: its axes, and an array for whatever is drawn of it."""
+"""A results file as a study: its axes, and an array for whatever is drawn of it.
+
+Here every axis rises, whatever the order of its values in the case and in the file, so that neighbours on an
+axis are neighbours in value for all that is made of a study.  The order of the file is that in which curves
+and panels stand beside each other.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tbi_cli.case import SHORT_NAMES, Axis, Case, Damping
+from tbi_cli.case.sweep import SAMPLE
 from tbi_cli.report.stored_case import stored_case
 from tbi_cli.report.words import clean
 from tbi_cli.store import DONE, FAILED, Dim, History, Results, Variable, open_results, studies_of
@@ -22,11 +29,15 @@ Place = Mapping[str, int]  # axis name -> index on it
 
 @dataclass(frozen=True, eq=False)
 class StudyAxis:
-    """A swept axis: its dimension in the file, and the keys of the case that it sets."""
+    """A swept axis: its dimension, the values rising, and the keys of the case that it sets.
+
+    `order` (n,) tells where in the file each value stands.
+    """
 
     dim: Dim
     paths: frozenset[str]
     axis: Axis | None
+    order: NDArray[np.intp]
 
     @property
     def name(self) -> str:
@@ -35,15 +46,15 @@ class StudyAxis:
 
     @property
     def values(self) -> Array:
-        """The coordinate values in SI."""
+        """The coordinate values in SI, rising."""
         return self.dim.values
 
     @property
     def lead(self) -> Dim:
-        """The dimension whose values name the places: of zipped axes the first, if it rises or falls."""
-        first = self.dim.members[0] if self.dim.members else self.dim
-        steps = np.diff(first.values)
-        return first if np.all(steps > 0) or np.all(steps < 0) else self.dim
+        """The dimension whose values name the places: of zipped axes the first, if they are all different."""
+        zipped = self.dim.members and self.dim.name != SAMPLE
+        first = self.dim.members[0] if zipped else self.dim
+        return first if len(np.unique(first.values)) == len(first.values) else self.dim
 
     @property
     def refined(self) -> bool:
@@ -76,7 +87,7 @@ class Study:
         self.case: Case | None = stored_case(results.case_yaml)
         swept = {axis.name: axis for axis in self.case.axes} if self.case else {}
         self.axes = tuple(_study_axis(dim, swept.get(dim.name)) for dim in results.dims)
-        self._read = lru_cache(maxsize=64)(results.table)
+        self.table = lru_cache(maxsize=64)(self._table)
 
     @property
     def title(self) -> str:
@@ -88,10 +99,21 @@ class Study:
         """The axes with more than one value."""
         return tuple(axis for axis in self.axes if axis.varies)
 
+    def _table(self, table: str, channel: str) -> Array:
+        """A variable of a table over all axes.  Raises StoreError like `Results.table`."""
+        return np.asarray(self._risen(self.results.table(table, channel)), dtype=np.float64)
+
+    def _risen(self, values: NDArray[Any]) -> NDArray[Any]:
+        """An array over the axes as the file has them, over the axes as they are here."""
+        orders = [axis.order for axis in self.axes]
+        if all(np.all(np.diff(order) > 0) for order in orders):
+            return values
+        return values[np.ix_(*orders)]
+
     @cached_property
     def status(self) -> NDArray[np.int8]:
         """0 to do, 1 done, 2 failed, of the grid's shape."""
-        return self.results.status
+        return self._risen(self.results.status)
 
     @property
     def to_do(self) -> int:
@@ -146,9 +168,10 @@ class Study:
         return self.case.at({a.name: float(a.values[at[a.name]]) for a in self.axes if a.name in swept})
 
     def index(self, place: Place) -> int:
-        """The flat index of a place of the grid."""
+        """The flat index in the file of a place of the grid."""
         at = {**self.base, **place}
-        return int(np.ravel_multi_index([at[axis.name] for axis in self.axes], self.results.shape))
+        in_file = [axis.order[at[axis.name]] for axis in self.axes]
+        return int(np.ravel_multi_index(in_file, self.results.shape))
 
     def has(self, table: str, channel: str) -> bool:
         """Whether the file has this variable; `table` may be "history"."""
@@ -166,7 +189,7 @@ class Study:
 
     def along(self, table: str, channel: str, axes: Sequence[StudyAxis], place: Place) -> Array:
         """A variable over some axes, in their order, the others at `place` or at the base case."""
-        values = self._read(table, channel)
+        values = self.table(table, channel)
         names = [axis.name for axis in axes]
         at = {**self.base, **place}
         picked = values[tuple(slice(None) if a.name in names else at[a.name] for a in self.axes)]
@@ -175,7 +198,7 @@ class Study:
 
     @cached_property
     def histories(self) -> frozenset[int]:
-        """The flat indices of the scenarios that have a history."""
+        """The flat indices in the file of the scenarios that have a history."""
         return frozenset(self.results.history_indices())
 
     def history(self, place: Place, channels: Sequence[str]) -> History | None:
@@ -199,6 +222,9 @@ def open_studies(paths: Sequence[Path]) -> list[Study]:
 
 
 def _study_axis(dim: Dim, axis: Axis | None) -> StudyAxis:
+    order = np.argsort(dim.values, kind="stable")
+    members = tuple(replace(member, values=member.values[order]) for member in dim.members)
+    dim = replace(dim, values=dim.values[order], members=members)
     if axis is not None and len(axis) == len(dim.values):
-        return StudyAxis(dim, frozenset(axis.paths), axis)
-    return StudyAxis(dim, frozenset(SHORT_NAMES.get(dim.name, (dim.name,))), None)
+        return StudyAxis(dim, frozenset(axis.paths), axis, order)
+    return StudyAxis(dim, frozenset(SHORT_NAMES.get(dim.name, (dim.name,))), None, order)
