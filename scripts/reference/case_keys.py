@@ -29,8 +29,10 @@ _HEAD = """# Keys of a case file
 
 A case file is YAML. Plain numbers are SI; a text may carry a unit (`300 km/h`, `40 t`, `207 GPa`, `0.5 %`).
 `110.2e3` and `1e5` are numbers, as in YAML 1.2. An unknown key, a key given twice and a value out of range
-are errors; a value outside the column *usual* is a warning, and an error with `--strict`. Every key with a
-number can be set by its dotted name, `--set bridge.right.damping.ratio='1 %'`, and swept by it.
+are errors; a value outside the column *usual* is a warning, and an error with `--strict`. So is a list, a
+range or a distribution with a unit on some of its numbers and none on others (0 needs none): each is read as
+it stands, `[20, 40 km/h]` as 20 and 11.1 m/s. Every key with a number can be set by its dotted name,
+`--set bridge.right.damping.ratio='1 %'`, and swept by it.
 
 `tbi schema` prints the same as JSON Schema, by which editors complete and check; see
 [how to write a case file](../how-to/train.md#completion-in-an-editor).
@@ -60,6 +62,10 @@ The values of an axis:
 | `{{from: 30, to: 60, count: 4}}` | so many, at equal distances |
 | `{{log: {{from: 1, to: 100, count: 5}}}}` | so many, at equal ratios |
 | `{{from: 40, to: 120, step: 4, refine: resonance}}` | `velocity` only: by steps, and more near resonance |
+
+Values that follow from others are those that one would write: `{{from: 20, to: 30, step: 0.1}}` has 20.3,
+the same number as in a list, and from 100 km/h by 10 km/h there is the value of `150 km/h`. They are computed
+exactly and rounded once. The values of a list may stand in any order; results keep it, and reports sort.
 
 A refined velocity also takes `tolerance` (1 %), by how much a peak may still change, and `channels`, those
 of the tables that decide (deflection and acceleration of the bridge at mid-span):
