@@ -11,20 +11,21 @@ import re
 from tbi_cli.case.fields import Quantity
 
 _BASE = {
-    "L": r"(?:[mck]?m|meters?|in|ft)",
+    "L": r"(?:[umdck]?m|µm|meters?|metres?|in|ft|yd)",
     "M": r"(?:[kM]?g|t|tonnes?|lb)",
-    "T": r"(?:m?s|seconds?|min|h)",
-    "F": r"(?:[kMG]?N|lbf|kip)",
+    "T": r"(?:m?s|sec|seconds?|min|h|hr)",
+    "F": r"(?:[kMG]?N|daN|kgf|tf|lbf|kip)",
+    "S": r"[kMG]?Ns",
     "P": r"(?:[kMG]?Pa|psi|ksi)",
-    "V": r"mph",
+    "V": r"(?:mph|kph|kmh)",
     "H": r"k?Hz",
     "R": r"(?:%|‰|percent|permille)",
-    "*": r" ?[* ·] ?",
+    "*": r" ?[* ·.] ?",
     "/": r" ?/ ?",
     "(": r"\(",
     ")": r"\)",
-    "2": r"(?:\^2|\*\*2|²)",
-    "4": r"(?:\^4|\*\*4|⁴)",
+    "2": r"(?:\^2|\*\*2|²|2)",
+    "4": r"(?:\^4|\*\*4|⁴|4)",
 }
 # SI unit -> spellings of units of the same dimension, in the letters above.
 _SPELLINGS = {
@@ -32,11 +33,11 @@ _SPELLINGS = {
     "kg": ("M",),
     "kg m^2": ("M*L2", "F*L*T2"),
     "N/m": ("F/L", "M/T2"),
-    "N s/m": ("F*T/L", "F/L*T", "F/(L/T)", "M/T"),
+    "N s/m": ("F*T/L", "S/L", "F/L*T", "F/(L/T)", "M/T"),
     "Pa": ("P", "F/L2"),
     "m^4": ("L4",),
     "kg/m": ("M/L",),
-    "N s/m^2": ("F*T/L2", "F/L2*T", "P*T", "M/(L*T)", "M/L/T"),
+    "N s/m^2": ("F*T/L2", "S/L2", "F/L2*T", "P*T", "M/(L*T)", "M/L/T"),
     "m/s": ("L/T", "V"),
     "m/s^2": ("L/T2", "L/T/T"),
     "N": ("F", "M*L/T2"),

@@ -18,14 +18,22 @@ from typing import Any
 NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
 _WITH_UNIT = re.compile(rf"({NUMBER})\s*(.*)", re.DOTALL)
 # Only what looks like a unit reaches pint, whose parser would evaluate 9**9**9.
-_POWER = r"[A-Za-z]+(?:(?:\^|\*\*)-?[1-9])?"
+_POWER = r"[A-Za-z]+(?:(?:\^|\*\*)?-?[1-9])?"
 _PRODUCT = rf"{_POWER}(?:[*/ ]{_POWER})*"
 _UNIT = re.compile(rf"(?:1/)?(?:{_POWER}|\({_PRODUCT}\))(?:[*/ ](?:{_POWER}|\({_PRODUCT}\)))*")
 Dimension = tuple[tuple[str, str], ...]  # base dimensions with their powers
 _MAX_UNIT = 40
+STANDARD_GRAVITY = 9.80665  # m/s^2, by which messages tell the weight of a mass
 _MAX_NUMBER = 60
+# As engineers type units: superscripts, dots for products, mm2 for mm^2, kNm for kN*m, a micro sign.
 _TYPED = str.maketrans(
-    {"²": "^2", "³": "^3", "⁴": "^4", "·": "*", "×": "*", "⋅": "*", "%": "percent", "‰": "permille"}
+    dict(zip("⁻¹²³⁴", "-1234", strict=True))
+    | {"·": "*", "×": "*", "⋅": "*", "µ": "u", "μ": "u", "%": "percent", "‰": "permille"}
+)
+_DOT = re.compile(r"(?<=[A-Za-z0-9])\.(?=[A-Za-z])")
+_BARE_POWER = re.compile(r"(?<=[A-Za-z])(?=-?[1-9])")
+_FUSED = re.compile(
+    r"\b([kKMG]?N(?=mm|cm|m|s)|(?:[kK]g|t)(?=m))(mm|cm|m|s)((?:\*\*-?[1-9])?)(?![A-Za-z0-9])"
 )
 
 
@@ -86,7 +94,7 @@ def _number_and_factor(text: str, unit: str) -> tuple[str, Fraction | None]:
         raise UnitError("too large or too small")
     factor, dimension = _unit(written)
     if dimension != _unit(unit)[1]:
-        raise UnitError(f'"{written}" is {_named(dimension)}')
+        raise UnitError(f'"{written}" is {_named(dimension)}{_weight(written, factor, dimension, unit)}')
     return number, factor
 
 
@@ -95,7 +103,8 @@ def _unit(written: str) -> tuple[Fraction, Dimension]:
     """Factor to SI and dimension of a unit such as "kN*s/m^2"."""
     if written == "1":
         return Fraction(1), ()
-    text = re.sub(r"\s*([*/^()])\s*", r"\1", re.sub(r"\s+", " ", written[:_MAX_UNIT].translate(_TYPED)))
+    text = _DOT.sub("*", re.sub(r"\s+", " ", written[:_MAX_UNIT].translate(_TYPED)))
+    text = re.sub(r"\s*([*/^()])\s*", r"\1", text)
     # "Pas" would be the plural of Pa.
     if len(written) > _MAX_UNIT or not _UNIT.fullmatch(text) or re.search(r"Pas\b", text):
         raise UnitError(f'no unit "{written[:_MAX_UNIT]}"')
@@ -103,7 +112,8 @@ def _unit(written: str) -> tuple[Fraction, Dimension]:
 
     registry = _registry()
     try:
-        units = registry.parse_units(text.replace(" ", "*").replace("^", "**"))
+        powers = _BARE_POWER.sub("**", text.replace(" ", "*").replace("^", "**"))
+        units = registry.parse_units(_FUSED.sub(r"(\1*\2\3)", powers))
         factor, base = registry.get_base_units(units)
     except (
         pint.errors.PintError,
@@ -150,6 +160,13 @@ _NAMES = {
     "Hz": "a frequency",
     "1": "a ratio",
 }
+
+
+def _weight(written: str, factor: Fraction, dimension: Dimension, unit: str) -> str:
+    """What a mass weighs, where it stands for a force."""
+    if (dimension, _unit(unit)[1]) != (_unit("kg")[1], _unit("N")[1]):
+        return ""
+    return f", 1 {written} weighs {float(factor) * STANDARD_GRAVITY / 1000:.4g} kN"
 
 
 def _named(dimension: Dimension) -> str:
