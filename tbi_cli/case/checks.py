@@ -15,7 +15,7 @@ from tbi_cli.case.consist import Consist
 from tbi_cli.case.fields import BadValueError, Quantity
 from tbi_cli.case.full_train import FullTrain
 from tbi_cli.case.keys import accepts, fields_of, find_number
-from tbi_cli.case.messages import plain_number
+from tbi_cli.case.messages import of_many, plain_number
 from tbi_cli.case.model import Case
 from tbi_cli.case.part import Part
 from tbi_cli.case.settings import HERTZ_SPRING
@@ -184,24 +184,30 @@ def oddities(case: Case, axes: tuple[Axis, ...], has_unit: Callable[[str], bool]
     """
     swept = {path for axis in axes for path in axis.paths}
     bridge_is_odd = False
-    for path, field, value in _numbers(case, ""):
-        if path not in swept and (text := field.odd(value, has_unit(path))):
+    for paths, field, values in _numbers(case, ""):
+        numbers = [(path, value) for path, value in zip(paths, values, strict=True) if path not in swept]
+        odd = [(path, value) for path, value in numbers if field.odd(value, has_unit=True)]
+        if odd:
+            path, value = odd[0]
             bridge_is_odd |= path.startswith("bridge.")
-            yield path, text
+            yield path, of_many(field.odd(value, has_unit(path)), len(odd))
     plain_case = case.resolved()
     for axis in [column for whole in axes for column in whole.members or (whole,)]:
         leaf, _ = find_number(axis.paths[0], plain_case, case.train.model)
         if isinstance(leaf, Quantity):
             key = f"sweep.{axis.key}"
-            odd = next((text for value in axis.values if (text := leaf.odd(value, has_unit(key)))), "")
-            if odd:
-                yield key, odd
+            said = next((text for value in axis.values if (text := leaf.odd(value, has_unit(key)))), "")
+            if said:
+                yield key, said
     yield from _odd_damping(case, bridge_is_odd)
+    if isinstance(case.train, MovingLoad):
+        yield from ((f"train.{key}", text) for key, text in case.train.oddities())
     if case.track is not None:
         yield from case.track.oddities()
 
 
-def _numbers(part: Part, before: str) -> Iterator[tuple[str, Quantity, float]]:
+def _numbers(part: Part, before: str) -> Iterator[tuple[list[str], Quantity, list[float]]]:
+    """The dotted keys of each number, or of all numbers in a list, what they take, and the numbers."""
     for key, (name, info) in fields_of(type(part)).items():
         value, field = getattr(part, name), accepts(info)
         if isinstance(value, Part):
@@ -210,9 +216,13 @@ def _numbers(part: Part, before: str) -> Iterator[tuple[str, Quantity, float]]:
             for number, part in enumerate(value):
                 yield from _numbers(part, f"{before}{key}.{number}.")
         elif isinstance(field, Quantity):
-            for one in value if isinstance(value, tuple) else (value,):
-                if isinstance(one, int | float):
-                    yield before + key, field, float(one)
+            listed = isinstance(value, tuple)
+            numbers = [float(one) for one in (value if listed else (value,)) if isinstance(one, int | float)]
+            paths = (
+                [f"{before}{key}.{number}" for number in range(len(numbers))] if listed else [before + key]
+            )
+            if numbers:
+                yield paths, field, numbers
 
 
 def _odd_damping(case: Case, bridge_is_odd: bool) -> Iterator[Finding]:

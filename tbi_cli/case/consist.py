@@ -39,7 +39,9 @@ class Vehicles(Part):
             return arms.l_b1 + arms.l_w1 + arms.l_b2 + arms.l_w4
         if isinstance(vehicle, RigidBeam):
             return vehicle.support_distance
-        return 0.0 if isinstance(vehicle, SprungMass) else vehicle.positions[-1]
+        if isinstance(vehicle, SprungMass):
+            return 0.0
+        return vehicle.positions[-1] - vehicle.positions[0]
 
     def check(self) -> None:
         """Raises BadValueError where the axles of neighbours would stand beyond each other's."""

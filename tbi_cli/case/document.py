@@ -56,9 +56,10 @@ class Document:
         self.failed: set[str] = set()
 
     def like(self, root: Mapping) -> Document:
-        """Another tree from the same file, with no problems yet."""
+        """Another tree from the same file, with no problems yet but what is odd in both."""
         other = object.__new__(Document)
-        other.root, other.problems, other._file, other.failed = root, [], self._file, set(self.failed)
+        other.root, other._file, other.failed = root, self._file, set(self.failed)
+        other.problems = [problem for problem in self.problems if problem.odd]
         return other
 
     def override(self, option: str) -> None:

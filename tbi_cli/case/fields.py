@@ -15,7 +15,7 @@ from pydantic import GetCoreSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
 from tbi_cli.case.messages import UNPRINTABLE, plain_number, quoted
-from tbi_cli.case.units import UnitError, to_si
+from tbi_cli.case.units import STANDARD_GRAVITY, UnitError, to_si
 
 # Far outside of anything physical, but such that products of a few values stay finite.
 LARGEST, SMALLEST = 1e15, 1e-15
@@ -114,6 +114,7 @@ class Quantity(Accepts):
     """A number in SI, or a string with a unit; `words` may stand in its place ("auto").
 
     `usual` is the range outside of which a value is physically odd; 0 is never odd where it is allowed.
+    `hint` is said of a value of the wrong sign.
     """
 
     dimension: Dimension
@@ -123,6 +124,7 @@ class Quantity(Accepts):
     words: tuple[str, ...] = ()
     largest: float = LARGEST
     smallest: float = SMALLEST
+    hint: str = ""
 
     def expected(self) -> str:
         noun = self.dimension.noun
@@ -156,7 +158,7 @@ class Quantity(Accepts):
         if not math.isfinite(number):
             raise self.bad(written)
         if (self.sign == "positive" and number <= 0) or (self.sign == "not negative" and number < 0):
-            raise self.bad(written)
+            raise self.bad(written, self.hint)
         if abs(number) > self.largest:
             raise self.bad(written, f"larger than {plain_number(self.largest)}")
         if 0 < abs(number) < self.smallest:
@@ -174,6 +176,8 @@ class Quantity(Accepts):
             meant = f"{plain_number(number)} {self.dimension.forgotten}"
             if self.usual[0] <= to_si(meant, self.dimension.unit) <= self.usual[1]:
                 text += f'; was "{meant}" meant?'
+                if self.dimension is FORCE:
+                    text += f" (a mass of {plain_number(number)} t weighs {number * STANDARD_GRAVITY:.4g} kN)"
         return text
 
 

@@ -1,7 +1,8 @@
-"""Reads a text file that a stranger may have named: only regular files, only UTF-8, never more than 1 MB."""
+"""Reads a text file that a stranger may have named: only regular files, only text, never more than 1 MB."""
 
 from __future__ import annotations
 
+import codecs
 import os
 import re
 import stat
@@ -27,6 +28,32 @@ def read_source(path: Path, name: str) -> Source:
     Raises CaseError when it is missing, unreadable, not a regular file, too large, not UTF-8 or holds
     control characters.
     """
+    return decoded(_content(path, name), name, path.parent)
+
+
+def read_table_source(path: Path, name: str) -> Source:
+    """The text of a table, which programs write in UTF-8, in UTF-16 with its mark, or in Latin-1.
+
+    Raises CaseError like `read_source`; Latin-1 is that of Windows, which has letters for more bytes.
+    """
+    content = _content(path, name)
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        encodings = ["utf-16"]
+    elif b"\0" in content:
+        raise fail(name, "neither UTF-8 nor UTF-16 with its byte order mark; save the table as UTF-8")
+    else:
+        encodings = ["utf-8-sig", "cp1252"]
+    for encoding in encodings:
+        try:
+            text = content.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        return checked(Source(name=name, text=text, folder=path.parent))
+    raise fail(name, "not text in UTF-8, UTF-16 or Latin-1; save the table as UTF-8")
+
+
+def _content(path: Path, name: str) -> bytes:
+    """The bytes of a regular file that is not too large."""
     try:
         status = path.stat()
         for is_kind, kind in _KINDS:
@@ -44,7 +71,7 @@ def read_source(path: Path, name: str) -> Source:
         raise fail(name, f"cannot be read: {reason}") from None
     if len(content) > MAX_BYTES:
         raise fail(name, f"larger than {MAX_BYTES} bytes, too large for a case file")
-    return decoded(content, name, path.parent)
+    return content
 
 
 def decoded(content: bytes, name: str, folder: Path) -> Source:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -12,7 +14,17 @@ from pydantic import ValidationError
 from tbi_cli.case.checks import Finding, contradictions, oddities, sweep_contradictions
 from tbi_cli.case.document import Document, ExtraAxis
 from tbi_cli.case.keys import accepts, fields_of, is_list, part_of
-from tbi_cli.case.messages import MOST_ERRORS, CaseError, Place, Problem, fail, in_order, quoted, suggestion
+from tbi_cli.case.messages import (
+    MOST_ERRORS,
+    CaseError,
+    Place,
+    Problem,
+    fail,
+    in_order,
+    of_many,
+    quoted,
+    suggestion,
+)
 from tbi_cli.case.mixed_units import mixed_lists
 from tbi_cli.case.model import Case, union
 from tbi_cli.case.part import Part
@@ -22,6 +34,9 @@ from tbi_cli.case.sweep import Sweep, missing_but_swept
 from tbi_cli.case.track_file import resolve_track
 from tbi_cli.case.train import TRAINS, VEHICLES
 from tbi_cli.case.yaml12 import Items, Mapping, Node, Scalar, entry_place, node_place, plain
+
+# In a message: the value that was found, and why it is not accepted.
+_GOT = re.compile(r", got .*?( \([^()]*\))?$", re.DOTALL)
 
 
 def load_case(
@@ -72,7 +87,8 @@ def _with_studies(document: Document, extra_axis: ExtraAxis | None, strict: bool
             studies[name] = _validated(study, sweep, strict)
         except CaseError as error:
             found[name] = error.problems
-    problems = [*document.problems, *told_once(found, len(studies) + len(found))]
+    wrong = [problem for problem in document.problems if not problem.odd]
+    problems = [*wrong, *told_once(found, len(studies) + len(found))]
     if problems:
         raise CaseError(in_order(problems, document.root.source))
     return union(studies, plain(document.root).get("title", ""))
@@ -83,7 +99,7 @@ def _validated(document: Document, sweep: Sweep, strict: bool) -> Case:
     for path, value in missing_but_swept(axes):
         _set_if_missing(root, path, value)
     values = {key: value for key, value in plain(root).items() if key != "sweep"}
-    problems = [*document.problems, *sweep.problems]
+    problems = [*(problem for problem in document.problems if not problem.odd), *sweep.problems]
     case: Case | None = None
     try:
         case = Case.model_validate(values)
@@ -94,7 +110,8 @@ def _validated(document: Document, sweep: Sweep, strict: bool) -> Case:
         problems += _located(sweep_contradictions(case, axes), root)
     if case is not None and not problems:
         has_unit = lru_cache(lambda key: _has_unit(root, key))
-        warnings = [*mixed_lists(root, case.train.model), *sweep.warnings]
+        warnings = [problem for problem in document.problems if problem.odd]
+        warnings += [*mixed_lists(root, case.train.model), *sweep.warnings]
         warnings += _located(oddities(case, axes, has_unit), root)
         if not strict or not warnings:
             return case.swept(axes, tuple(warning.render("warning") for warning in warnings))
@@ -154,8 +171,8 @@ def _place(root: Mapping, words: Sequence[str | int]) -> Place:
 
 
 def _problems(error: ValidationError, root: Mapping) -> Iterable[Problem]:
-    """pydantic's errors in our words."""
-    for item in error.errors(include_url=False, include_context=True)[:MOST_ERRORS]:
+    """pydantic's errors in our words; what is wrong with many values of a list is said of the first."""
+    for item, count in _alike(error.errors(include_url=False, include_context=True))[:MOST_ERRORS]:
         # Among the words are the models by which pydantic tells trains and vehicles apart: no keys.
         loc = item["loc"]
         tagged = {depth for depth in range(1, len(loc)) if loc[depth - 1] in ("train", "vehicle")}
@@ -168,7 +185,22 @@ def _problems(error: ValidationError, root: Mapping) -> Iterable[Problem]:
         if words[-1:] in (["train"], ["vehicle"]) and item["type"].startswith("union_tag"):
             words = [*words, "model"]
         key = ".".join(str(word) for word in words)
-        yield Problem(_place(root, words), key, _text(item["type"], item, words, root))
+        text = _text(item["type"], item, words, root)
+        yield Problem(_place(root, words), key, of_many(text, count))
+
+
+def _alike(errors: Sequence[Any]) -> list[tuple[Any, int]]:
+    """The first error of each kind in each list, and how many of it there are."""
+    counts: Counter[Any] = Counter()
+    first: dict[Any, Any] = {}
+    for number, item in enumerate(errors):
+        *around, last = item["loc"] or ("",)
+        # The same but for the value that was found.
+        kind = _GOT.sub(r"\1", item["msg"]) if item["type"] == "tbi" else item["type"]
+        key = (tuple(around), kind) if isinstance(last, int) else number
+        counts[key] += 1
+        first.setdefault(key, item)
+    return [(item, counts[key]) for key, item in first.items()]
 
 
 def _node(root: Node, words: Sequence[str | int]) -> Node | None:

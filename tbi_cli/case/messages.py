@@ -57,6 +57,11 @@ def plain_number(value: float) -> str:
     return f"{mantissa}e{int(exponent)}" if sign else shown
 
 
+def of_many(text: str, count: int) -> str:
+    """The message about the first of so many values of which the same is to be said."""
+    return f"{text}; {count} such values" if count > 1 else text
+
+
 def suggestion(word: str, known: Iterable[str]) -> str:
     """'did you mean ...' for the nearest known word, or else the list of them."""
     words = list(known)
@@ -126,11 +131,12 @@ class Place:
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong (or only odd) in what was read."""
+    """One thing that is wrong, or only odd, in what was read."""
 
     place: Place | None
     key: str
     text: str
+    odd: bool = False
 
     def render(self, kind: str = "") -> str:
         """`place: key: text`, then the line that it stands on; `kind` is put before the key."""

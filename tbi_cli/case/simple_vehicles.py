@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Annotated, Literal
 
@@ -23,6 +24,7 @@ from tbi_cli.case.messages import plain_number
 from tbi_cli.case.part import Part
 
 MOST_FORCES = 1000
+WIDEST_GAP = 100.0  # m between neighbouring axles; more is a length in mm, perhaps
 _DAMPING = Quantity(
     "damping of each spring; 0 for none", DAMPING, "40 kN*s/m", "not negative", usual=(1.0, 1e7)
 )
@@ -57,8 +59,22 @@ class RigidBeam(Part):
     damping: Annotated[float, _DAMPING]
 
 
-FORCE_OF_AXLE = Quantity("force, downward", FORCE, "56.4 kN", usual=(1e2, 1e7))
-POSITION_OF_AXLE = Quantity("distance behind the first force", LENGTH, "2.5 m", "not negative", (0.1, 1000))
+FORCE_OF_AXLE = Quantity(
+    "force, downward",
+    FORCE,
+    "56.4 kN",
+    "not negative",
+    usual=(1e3, 1e7),
+    hint="a force acts downward: change the sign",
+)
+POSITION_OF_AXLE = Quantity(
+    "place of each force, the first one's first, counted backward",
+    LENGTH,
+    "2.5 m",
+    "any",
+    (-4000, 4000),
+    smallest=0.0,
+)
 
 
 Forces = Annotated[tuple[Annotated[float, FORCE_OF_AXLE], ...], AtMost(MOST_FORCES)]
@@ -66,22 +82,38 @@ Positions = Annotated[tuple[Annotated[float, POSITION_OF_AXLE], ...], AtMost(MOS
 
 
 def _out_of_order(positions: tuple[float, ...]) -> str:
-    """What is wrong with the order of positions behind the first; nothing if they begin at 0 and rise."""
-    if positions and positions[0] != 0:
-        return f"expected the first position to be 0, got {plain_number(positions[0])}"
+    """What is wrong with the order of positions, the first axle first; nothing if they rise."""
     for number, (before, position) in enumerate(pairwise(positions), 2):
         if position < before:
             texts = plain_number(position), plain_number(before)
-            return f"expected positions in rising order, got {texts[0]} (number {number}) after {texts[1]}"
+            text = f"expected positions in rising order, got {texts[0]} (number {number}) after {texts[1]}"
+            falling = all(b <= a for a, b in pairwise(positions))
+            return f"{text}; count them backward from the first axle: change the signs" if falling else text
     return ""
 
 
 class MovingLoad(Part):
-    """Forces of constant size that cross the right beam."""
+    """Forces of constant size that cross the right beam.
+
+    `positions` rise from the first force on, wherever that one stands: only their differences count.
+    """
 
     model: Literal["moving-load"]
     forces: Forces
     positions: Positions = (0.0,)
+
+    @property
+    def behind(self) -> tuple[float, ...]:
+        """Distance of each force behind the first [m]."""
+        return tuple(position - self.positions[0] for position in self.positions)
+
+    def oddities(self) -> Iterator[tuple[str, str]]:
+        """Key and message where two neighbours are farther apart than the axles of a train."""
+        gaps = [after - before for before, after in pairwise(self.positions)]
+        widest = max(gaps, default=0.0)
+        if widest > WIDEST_GAP:
+            text = f"{plain_number(widest)} m behind the axle before is more than the usual"
+            yield f"positions.{gaps.index(widest) + 1}", f"{text} {plain_number(WIDEST_GAP)} m"
 
     def check(self) -> None:
         """Raises BadValueError where forces and positions do not go together."""

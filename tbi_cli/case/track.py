@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
@@ -110,8 +111,12 @@ class Random(Part):
         return {"shortest_wavelength": shortest, "longest_wavelength": longest} | values
 
 
-_PLACES = _signed("places along the track, rising; the bridge begins at 0", "-10 m")
-_LEVELS = _signed("level of the rail at each place, upward", "1 mm", (-0.2, 0.2))
+PLACES = _signed("places along the track, rising; the bridge begins at 0", "-10 m")
+# Measured levels are in mm more often than not.
+LEVELS = replace(
+    _signed("level of the rail at each place, upward", "1 mm", (-0.2, 0.2)),
+    dimension=replace(LENGTH, forgotten="mm"),
+)
 
 
 class Profile(Part):
@@ -122,9 +127,9 @@ class Profile(Part):
     """
 
     csv: Annotated[str, Text("CSV file beside this one: x, right and left", 1000)] | None = None
-    x: Annotated[tuple[Annotated[float, _PLACES], ...], AtMost(MOST_POINTS)]
-    right: Annotated[tuple[Annotated[float, _LEVELS], ...], AtMost(MOST_POINTS)]
-    left: Annotated[tuple[Annotated[float, _LEVELS], ...], AtMost(MOST_POINTS)] = ()
+    x: Annotated[tuple[Annotated[float, PLACES], ...], AtMost(MOST_POINTS)]
+    right: Annotated[tuple[Annotated[float, LEVELS], ...], AtMost(MOST_POINTS)]
+    left: Annotated[tuple[Annotated[float, LEVELS], ...], AtMost(MOST_POINTS)] = ()
 
     @model_validator(mode="after")
     def _consistent(self) -> Profile:

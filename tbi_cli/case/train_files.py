@@ -2,15 +2,38 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
+from decimal import Decimal
 
-from tbi_cli.case.files import read_source
-from tbi_cli.case.messages import CaseError, Place, Problem, Source, quoted
-from tbi_cli.case.simple_vehicles import MOST_FORCES
-from tbi_cli.case.units import NUMBER
-from tbi_cli.case.yaml12 import Entry, Items, Mapping, Scalar, entry_place, scalar_value
+from tbi_cli.case.fields import LENGTH, BadValueError, Quantity
+from tbi_cli.case.messages import CaseError, Problem, quoted
+from tbi_cli.case.simple_vehicles import FORCE_OF_AXLE, MOST_FORCES, POSITION_OF_AXLE
+from tbi_cli.case.table import Column, Layout, Table, read_table
+from tbi_cli.case.yaml12 import Entry, Items, Mapping, Scalar, entry_place, node_place
 
+SPACING = Quantity("distance behind the axle before", LENGTH, "2.5 m", "not negative")
+_WHICH = (
+    "may be a position or a spacing: name it position (from the first axle) or spacing (from the axle before)"
+)
+_MASS = "is not a force: multiply by 9.81 m/s^2, and name the column force"
+AXLES = Layout(
+    columns=(
+        Column("position", ("position", "positions", "axle position", "pos", "x"), POSITION_OF_AXLE),
+        Column("spacing", ("spacing", "spacings", "axle spacing", "pitch"), SPACING, may_begin_empty=True),
+        Column(
+            "force",
+            ("force", "forces", "axle force", "load", "axle load", "weight", "axle weight", "p", "f"),
+            FORCE_OF_AXLE,
+        ),
+    ),
+    needed=(("position", "spacing"), ("force",)),
+    unnamed=("position", "force"),
+    fewest=2,
+    said="position (or spacing) and force",
+    rows="forces",
+    most=MOST_FORCES,
+    refused={"distance": _WHICH, "axle distance": _WHICH, "mass": _MASS, "axle mass": _MASS},
+)
 # Puts the mapping that an entry names in the place of the name; False if that failed, and was reported.
 Include = Callable[[Entry, str], bool]
 
@@ -42,7 +65,10 @@ def _complete(vehicle: Mapping, key: str) -> list[Problem]:
 
 
 def _read_csv(train: Mapping, key: str) -> list[Problem]:
-    """Replaces `csv` by the `positions` and `forces` in that file, each value with its place there."""
+    """Replaces `csv` by the `positions` and `forces` in that file, each value with its place there.
+
+    Returns what is wrong, or odd.
+    """
     entry = train.entries.get("csv")
     if entry is None or not isinstance(entry.value, Scalar):
         return []
@@ -60,7 +86,9 @@ def _read_csv(train: Mapping, key: str) -> list[Problem]:
     path = named.source.folder / named.value
     problems: list[Problem] = []
     try:
-        positions, forces = _columns(read_source(path, str(path)))
+        table = read_table(path, AXLES)
+        problems += table.warnings
+        positions, forces = _positions_and_forces(table)
     except CaseError as error:
         first = error.problems[0]
         text = f"{first.key}: {first.text}".removeprefix(": ")
@@ -70,31 +98,34 @@ def _read_csv(train: Mapping, key: str) -> list[Problem]:
     return problems
 
 
-def _columns(source: Source) -> tuple[Items, Items]:
-    """The two columns of a table: numbers in SI or with a unit, one force a line, the first line a heading.
-
-    Lines that are empty or begin with # are left out; commas, semicolons or tabs part the columns.  Raises
-    CaseError.
-    """
-    columns = Items(source, 1, 1), Items(source, 1, 1)
-    for number, line in enumerate(source.text.splitlines(), 1):
-        cells = re.split("[,;\t]", line)
-        texts = [cell.strip().strip('"').strip() for cell in cells]
-        if not line.strip() or texts[0].startswith("#"):
-            continue
-        if not columns[0].items and not any(re.match(NUMBER, text) for text in texts):
-            continue
-        if len(texts) != 2 or not all(texts):
-            text = f"expected two values, position and force, got {quoted(line.strip())}"
-            raise CaseError([Problem(Place(source, number), "", text)])
-        if len(columns[0].items) == MOST_FORCES:
-            raise CaseError([Problem(Place(source, number), "", f"expected at most {MOST_FORCES} forces")])
-        before = 0
-        for column, cell, text in zip(columns, cells, texts, strict=True):
-            start = before + len(cell) - len(cell.lstrip()) + 1
-            column.items.append(Scalar(source, number, start, len(text), 1, scalar_value(text)))
-            column.size += 1
-            before += len(cell) + 1
-    if not columns[0].items:
-        raise CaseError([Problem(Place(source), "", "expected lines of position and force, got none")])
-    return columns
+def _positions_and_forces(table: Table) -> tuple[Items, Items]:
+    """The two lists of a train; positions may be given by the spacing of the axles.  Raises CaseError."""
+    spacings = table.columns.get("spacing")
+    if spacings is None:
+        return table.columns["position"], table.columns["force"]
+    positions = Items(spacings.source, spacings.line, spacings.column, spacings.width, spacings.size)
+    # Decimals, so that 2.6 and 7.8 are 10.4.
+    position = Decimal(0)
+    united: set[bool] = set()
+    for number, item in enumerate(spacings.items):
+        assert isinstance(item, Scalar)
+        written = item.value
+        if number == 0 and written == "":
+            written = 0.0
+        try:
+            spacing = SPACING.parse(written)
+        except BadValueError as error:
+            raise CaseError([Problem(node_place(item), "spacing", str(error))]) from None
+        if spacing != 0:
+            united.add(isinstance(written, str))
+        text = ""
+        if number == 0 and spacing != 0:
+            text = "expected 0 or nothing for the first axle: a spacing is the distance to the axle before"
+        elif len(united) > 1:
+            text = "expected a unit for every spacing, or for none, best in the heading"
+        if text:
+            raise CaseError([Problem(node_place(item), "spacing", f"{text}, got {quoted(written)}")])
+        position += Decimal(repr(spacing))
+        place = (item.source, item.line, item.column, item.width, 1)
+        positions.items.append(Scalar(*place, value=float(position)))
+    return positions, table.columns["force"]

@@ -32,9 +32,7 @@ _TYPED = str.maketrans(
 )
 _DOT = re.compile(r"(?<=[A-Za-z0-9])\.(?=[A-Za-z])")
 _BARE_POWER = re.compile(r"(?<=[A-Za-z])(?=-?[1-9])")
-_FUSED = re.compile(
-    r"\b([kKMG]?N(?=mm|cm|m|s)|(?:[kK]g|t)(?=m))(mm|cm|m|s)((?:\*\*-?[1-9])?)(?![A-Za-z0-9])"
-)
+_FUSED = re.compile(r"\b([kKMG]?N(?=mm|cm|m|s)|(?:[kK]g|t)(?=m))(mm|cm|m|s)((?:\*\*-?[1-9])?)(?![A-Za-z0-9])")
 
 
 class UnitError(ValueError):

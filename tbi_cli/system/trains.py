@@ -40,7 +40,7 @@ def build_vehicle(train: Train, case: Case) -> Vehicle:
     if isinstance(train, RigidBeam):
         return rigid_beam(train, gravity)
     assert isinstance(train, MovingLoad | HslmA)
-    return constant_forces(train.forces, train.positions)
+    return constant_forces(train.forces, train.behind if isinstance(train, MovingLoad) else train.positions)
 
 
 def full_train(train: FullTrain, gravity: float, contact: Contact) -> Vehicle:
