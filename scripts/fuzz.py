@@ -2,10 +2,12 @@
 
     python scripts/fuzz.py --count 100000             mutations of the built-in cases, drawn by hypothesis
     python scripts/fuzz.py --engine atheris --count N  bytes, guided by coverage (pip install atheris)
+    python scripts/fuzz.py --tables --count 10000     tables of axles and rails, whole and broken
 
 Ends with exit code 1, and the input that did it, when a file brings an exception other than CaseError, a
 message with control characters, a case that does not survive a round trip, or takes longer than 10 seconds
-of the processor, or waits for ten minutes.
+of the processor, or waits for ten minutes; or when a table is read as other numbers than it says, a whole
+one is not read, or a broken one brings more than two messages.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
@@ -30,6 +33,7 @@ else:
     counted = nullcontext()
 with counted:
     from fuzzing.corpus import BESIDE, CASE, CORPUS, MORE
+    from fuzzing.tables import BRIDGE, CASES, TrueTable, close, hurt, tables
     from fuzzing.words import FRAGMENTS, KEYS
 
     from tbi_cli.case import CaseError, load_case
@@ -149,6 +153,53 @@ def with_hypothesis(folder: Path, count: int, start: int) -> None:
     print(f"{count} files: {cases} were cases, the others ended in a message")
 
 
+def check_table(folder: Path, table: TrueTable) -> bool:
+    """Loads a case with this table; whether it was read, as what it says. Raises where it was misread."""
+    (folder / "table.csv").write_bytes(table.content)
+    path = folder / CASE
+    path.write_text(CASES[table.kind] + BRIDGE, encoding="utf-8")
+    with time_limit():
+        try:
+            case = load_case(path)
+        except CaseError as error:
+            assert not table.whole, f"a table that should be read: {error}"
+            messages = [line for line in str(error).splitlines() if not line.startswith("   ")]
+            assert len(messages) <= 2, f"a message for every value: {messages}"
+            return False
+    if table.kind == "axles":
+        train: Any = case.train
+        first = train.positions[0]
+        found = (tuple(x - first for x in train.positions), train.forces)
+    else:
+        profile: Any = case.track and case.track.irregularity.profile
+        found = (profile.x, profile.right, *([profile.left] if profile.left else []))
+    assert close(found, table.columns), f"misread: {found}, not {table.columns}"
+    assert not table.whole or len(case.warnings) == table.left_out, f"warnings: {case.warnings}"
+    return True
+
+
+def of_tables(folder: Path, count: int, start: int) -> None:
+    """`count` tables, half of them broken."""
+    read = 0
+
+    @seed(start)
+    @settings(
+        max_examples=count,
+        deadline=None,
+        database=None,
+        phases=[Phase.generate, Phase.shrink],
+        suppress_health_check=list(HealthCheck),
+        print_blob=False,
+    )
+    @given(st.one_of(tables(), tables().flatmap(hurt)))
+    def run(table: TrueTable) -> None:
+        nonlocal read
+        read += check_table(folder, table)
+
+    run()
+    print(f"{count} tables: {read} were read, the others ended in a message")
+
+
 def with_atheris(folder: Path, count: int, start: int) -> None:
     """`count` inputs of bytes, guided by what they reach in the reader."""
 
@@ -170,9 +221,11 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=10_000, help="how many inputs (default: 10000)")
     parser.add_argument("--seed", type=int, default=1, help="another seed, other inputs (default: 1)")
     parser.add_argument("--engine", choices=("hypothesis", "atheris"), default="hypothesis")
+    parser.add_argument("--tables", action="store_true", help="tables of axles and rails")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         engine = with_atheris if arguments.engine == "atheris" else with_hypothesis
+        engine = of_tables if arguments.tables else engine
         engine(Path(folder), arguments.count, arguments.seed)
 
 

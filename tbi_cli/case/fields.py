@@ -91,6 +91,9 @@ class Dimension:
     forgotten: str = ""
 
 
+HEAVIEST_AXLE = 50.0  # t: a number in place of a force that may be the mass of an axle
+
+
 LENGTH = Dimension("m", "length")
 MASS = Dimension("kg", "mass", "t")
 INERTIA = Dimension("kg m^2", "moment of inertia", "t*m^2")
@@ -176,7 +179,7 @@ class Quantity(Accepts):
             meant = f"{plain_number(number)} {self.dimension.forgotten}"
             if self.usual[0] <= to_si(meant, self.dimension.unit) <= self.usual[1]:
                 text += f'; was "{meant}" meant?'
-                if self.dimension is FORCE:
+                if self.dimension is FORCE and number <= HEAVIEST_AXLE:
                     text += f" (a mass of {plain_number(number)} t weighs {number * STANDARD_GRAVITY:.4g} kN)"
         return text
 

@@ -12,6 +12,7 @@ from pydantic.fields import FieldInfo
 from tbi_cli.case.axes import SHORT_NAMES
 from tbi_cli.case.bridge import DAMPING_FORMS, Coefficient, Damping
 from tbi_cli.case.fields import Accepts, Numeric, Quantity, Whole
+from tbi_cli.case.messages import synonym
 from tbi_cli.case.model import Case
 from tbi_cli.case.part import Part
 from tbi_cli.case.train import TRAINS
@@ -111,6 +112,8 @@ def _no_such_key(before: list[str], word: str, train_model: str | None) -> str:
     keys = numeric_keys(train_model)
     tried = ".".join([*before, word])
     by_last_word = {key.rpartition(".")[2]: key for key in reversed(keys)} | {key: key for key in SHORT_NAMES}
+    if other := synonym(tried, SHORT_NAMES):
+        return f"no such key; did you mean {other}?"
     if word in by_last_word:
         return f"no such key; did you mean {by_last_word[word]}?"
     near = get_close_matches(tried[:80], [*SHORT_NAMES, *keys], n=1, cutoff=0.7)

@@ -62,10 +62,30 @@ def of_many(text: str, count: int) -> str:
     return f"{text}; {count} such values" if count > 1 else text
 
 
+# What engineers call a key, and the keys that may be meant, where they are known.
+_SYNONYMS = {
+    **dict.fromkeys(("speed", "speeds", "train_speed", "velocities", "v"), ("velocity",)),
+    **dict.fromkeys(("span", "spans", "span_length", "bridge_length", "l"), ("length", "span")),
+    **dict.fromkeys(("length",), ("span",)),
+    **dict.fromkeys(("e", "modulus", "elastic_modulus", "stiffness"), ("youngs_modulus",)),
+    **dict.fromkeys(("i", "inertia", "moment_of_inertia"), ("second_moment",)),
+    **dict.fromkeys(("mass", "mu", "line_mass"), ("mass_per_length", "car_body_mass")),
+    **dict.fromkeys(("damping_ratio", "zeta"), ("ratio", "damping")),
+    **dict.fromkeys(("dt", "step", "time_step", "timestep"), ("sampling",)),
+    **dict.fromkeys(("load", "loads", "axle_loads", "axle_forces"), ("forces",)),
+}
+
+
+def synonym(word: str, known: Iterable[str]) -> str:
+    """The known word that is another one for this; empty if there is none."""
+    return next((key for key in _SYNONYMS.get(word.lower(), ()) if key in known), "")
+
+
 def suggestion(word: str, known: Iterable[str]) -> str:
-    """'did you mean ...' for the nearest known word, or else the list of them."""
+    """'did you mean ...' for a synonym or the nearest known word, or else the list of them."""
     words = list(known)
-    near = get_close_matches(word[:80].lower(), words, n=1, cutoff=0.6)
+    near = [synonym(word, words)] if synonym(word, words) else []
+    near = near or get_close_matches(word[:80].lower(), words, n=1, cutoff=0.6)
     if near:
         return f"did you mean {near[0]}?"
     return f"known here: {', '.join(words)}" if words else "nothing is known here"

@@ -97,10 +97,10 @@ def read_table(path: Path, layout: Layout) -> Table:
     warnings: list[Problem] = []
     if heading:
         picked, warnings = _by_name(rows, layout, heading)
-        if body and not any(cell.is_number for cell in body[0]):
-            picked = _with_units(rows, picked, body[0])
-            body = body[1:]
         names = [cell.text for cell in heading]
+        if body and not any(cell.is_number for cell in body[0]):
+            picked = _with_units(rows, picked, names, body[0])
+            body = body[1:]
     else:
         picked = _by_order(rows, layout)
         names = [one.column.words[0] for one in picked]
@@ -226,11 +226,13 @@ def _missing(rows: Rows, layout: Layout, others: list[Cell], heading: Row) -> Ca
     return CaseError([Problem(Place(rows.source, heading[0].line), "", f"{text}; {cure}")])
 
 
-def _with_units(rows: Rows, picked: list[_Picked], row: Row) -> list[_Picked]:
+def _with_units(rows: Rows, picked: list[_Picked], names: list[str], row: Row) -> list[_Picked]:
     """The columns with the units that stand in a row of their own below the heading."""
+    if len(row) < len(names):
+        raise rows.odd_row(row[0].line, _values(rows, names).replace("values", "units", 1))
     found: list[_Picked] = []
     for one in picked:
-        cell = row[one.index] if one.index < len(row) else Cell("", row[0].line, 1)
+        cell = row[one.index]
         text = cell.text
         inner = text[1:-1].strip() if text and _BRACKETS.get(text[0]) == text[-1] else text
         unit = _unit(rows, cell, inner, one.column)
@@ -244,7 +246,7 @@ def _by_order(rows: Rows, layout: Layout) -> list[_Picked]:
     """The columns of a table without a heading."""
     first = _trimmed(rows.rows[0])
     most = len(layout.unnamed)
-    if not layout.fewest <= len(first) <= most:
+    if not layout.fewest <= len(first) <= most or not all(cell.is_number for cell in first):
         count = str(most) if layout.fewest == most else f"{layout.fewest} or {most}"
         expected = f"a heading with the columns {layout.said}, or {count} values"
         raise rows.odd_row(first[0].line, expected, _commas(rows))
@@ -267,20 +269,26 @@ def _commas(rows: Rows) -> str:
 
 
 def _wanted(rows: Rows, row: Row, picked: list[_Picked], names: list[str], *, first: bool) -> list[Cell]:
-    """The cells of a row that are read."""
+    """The cells of a row that are read; empty ones at the end may be too many.
+
+    But not between commas and beside columns that are not read: `2,5,180,` may be of `position,force,remark`.
+    """
     spare = row[len(names) :]
-    # Empty cells at the end may be left out, but not where a comma too much might make up for one.
-    short = len(row) < len(names) and rows.separator == ","
-    cells = [row[one.index] if one.index < len(row) else Cell("", row[0].line, 1) for one in picked]
+    doubtful = rows.separator == "," and len(picked) < len(names)
+    whole = len(row) >= len(names) and not any(cell.text or doubtful for cell in spare)
+    cells = [row[one.index] for one in picked] if whole else []
     empty = any(
-        not c.text and not (first and one.column.may_begin_empty)
-        for c, one in zip(cells, picked, strict=True)
+        not cell.text and not (first and one.column.may_begin_empty)
+        for cell, one in zip(cells, picked, strict=False)
     )
-    if short or empty or any(cell.text for cell in spare):
-        parted = f" parted by {SEPARATORS[rows.separator]}"
-        expected = f"{len(names)} values{parted}, {', '.join(name or 'one more' for name in names)}"
-        raise rows.odd_row(row[0].line, expected, _commas(rows) if spare else "")
+    if empty or not whole:
+        raise rows.odd_row(row[0].line, _values(rows, names), _commas(rows) if spare else "")
     return cells
+
+
+def _values(rows: Rows, names: list[str]) -> str:
+    parted = f" parted by {SEPARATORS[rows.separator]}" if len(names) > 1 else ""
+    return f"{len(names)} values{parted}, {', '.join(name or 'one more' for name in names)}"
 
 
 def _value(rows: Rows, cell: Cell, unit: str) -> Scalar:
