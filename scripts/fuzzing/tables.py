@@ -218,7 +218,9 @@ def hurt(draw: st.DrawFn, table: TrueTable) -> TrueTable:
             )
         case 6:  # a unit of something else
             lines[at] = line.replace("[", "[s", 1).replace("(", "(s", 1)
-        case _:  # a quotation mark
+        case _:  # a quotation mark; in the heading it would make the name of another column
+            at = max(at, table.heading + 1)
+            line = lines[at]
             where = draw(st.integers(0, len(line)))
             lines[at] = line[:where] + '"' + line[where:]
     return replace(table, lines=tuple(lines), whole=False)

@@ -111,8 +111,12 @@ def with_points(rows: Rows, cells: list[Cell]) -> list[Cell]:
     """These cells with a decimal point in each number that has a decimal comma.
 
     Raises CaseError where a comma parts the columns, where both signs occur, and where every comma may be one
-    of thousands.
+    of thousands; and where a cell holds what parts columns in other tables.
     """
+    for cell in cells:
+        if any(separator in cell.text for separator in ";\t"):
+            before = f"columns parted by {SEPARATORS[rows.separator]}, as on line {rows.rows[0][0].line}"
+            raise rows.odd_row(cell.line, before)
     commas = [cell for cell in cells if _COMMA.match(cell.text)]
     if not commas:
         return cells

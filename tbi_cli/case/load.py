@@ -36,6 +36,7 @@ from tbi_cli.case.train import TRAINS, VEHICLES
 from tbi_cli.case.yaml12 import Items, Mapping, Node, Scalar, entry_place, node_place, plain
 
 # In a message: the value that was found, and why it is not accepted.
+_QUOTED = re.compile(r'"[^"]*"')
 _GOT = re.compile(r", got .*?( \([^()]*\))?$", re.DOTALL)
 
 
@@ -195,8 +196,8 @@ def _alike(errors: Sequence[Any]) -> list[tuple[Any, int]]:
     first: dict[Any, Any] = {}
     for number, item in enumerate(errors):
         *around, last = item["loc"] or ("",)
-        # The same but for the value that was found.
-        kind = _GOT.sub(r"\1", item["msg"]) if item["type"] == "tbi" else item["type"]
+        # The same but for the values in it.
+        kind = _QUOTED.sub('""', _GOT.sub(r"\1", item["msg"])) if item["type"] == "tbi" else item["type"]
         key = (tuple(around), kind) if isinstance(last, int) else number
         counts[key] += 1
         first.setdefault(key, item)

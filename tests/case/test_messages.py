@@ -326,10 +326,22 @@ def test_many_mistakes_are_counted_not_all_shown(says: Says) -> None:
 
 
 def test_of_very_many_mistakes_a_thousand_are_looked_at(says: Says) -> None:
-    levels = ", ".join(["q"] * 2000)
+    groups = ", ".join(["{vehicle: {model: rigid-beam}}"] * 200)
+    message = says(CASE.replace("train: paper", f"train: {{consist: [{groups}]}}"))
+    assert message.count("case.yaml:1:") == 50
+    assert message.splitlines()[-1] == "... and at least 951 more errors"
+
+
+def test_one_mistake_in_many_values_is_said_once(says: Says) -> None:
+    """Of each cause in a list the first, and how many there are; whatever the values are."""
+    levels = ", ".join([*["q"] * 900, "2 s", *["1 mm"] * 50, *(f"{k} kg" for k in range(1, 51))])
     message = says(CASE + f"track: {{irregularity: {{profile: {{x: [0, 1], right: [{levels}]}}}}}}\n")
-    assert message.count("case.yaml:12:") == 50
-    assert message.splitlines()[-1] == "... and at least 950 more errors"
+    key = "track.irregularity.profile.right"
+    assert [line.partition(": ")[2] for line in message.splitlines() if line.startswith("case")] == [
+        f'{key}.0: expected a length, e.g. "1 mm" or 0.001, got "q"; 900 such values',
+        f'{key}.900: expected a length, e.g. "1 mm" or 0.001, got "2 s" ("s" is a time)',
+        f'{key}.951: expected a length, e.g. "1 mm" or 0.001, got "1 kg" ("kg" is a mass); 50 such values',
+    ]
 
 
 def test_a_mistake_in_an_included_file_is_placed_there(says: Says, folder: Path) -> None:

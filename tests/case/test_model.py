@@ -139,8 +139,9 @@ SIMPLE = "bridge: verification-1\nvelocity: 5\n"
             "train: expected one position for each of the 2 forces, got 1",
         ),
         (
-            "{model: moving-load, forces: [1, 2], positions: [1, 2]}",
-            "train.positions: expected the first position to be 0, got 1",
+            "{model: moving-load, forces: [1, 2, 3], positions: [7, 5, 5]}",
+            "train.positions: expected positions in rising order, got 5 (number 2) after 7; "
+            "count them backward from the first axle: change the signs",
         ),
         (
             "{model: moving-load, forces: [1, 2, 3], positions: [0, 2, 1]}",
@@ -148,11 +149,11 @@ SIMPLE = "bridge: verification-1\nvelocity: 5\n"
         ),
         (
             "{model: moving-load, forces: 5}",
-            'train.forces: expected a list, each a positive force, e.g. "56.4 kN" or 56400, got 5',
+            'train.forces: expected a list, each a force >= 0, e.g. "56.4 kN" or 56400, got 5',
         ),
         (
             "{model: moving-load, forces: [1, x]}",
-            'train.forces.1: expected a positive force, e.g. "56.4 kN" or 56400, got "x"',
+            'train.forces.1: expected a force >= 0, e.g. "56.4 kN" or 56400, got "x"',
         ),
     ],
 )

@@ -96,18 +96,21 @@ def test_two_columns_are_for_both_rails(loads: Loads, folder: Path, heading: str
     [
         (
             "x, level\n0, 1\n",
-            'rails.csv:1:1: expected the columns x, right and left (or x and right), each with its unit if it is not m, got "x, level"',
+            'rails.csv:1:1: expected a heading with the columns x, right and left (or x and right), with their units if not SI, got "x, level"; lines that are neither heading nor numbers begin with #',
         ),
-        ("x, right\n0, 0\n1\n", 'rails.csv:3:1: expected 2 values, x, right, got "1"'),
-        ("0, 0, 0, 0\n", 'rails.csv:1:1: expected two or three values, x, right and left, got "0, 0, 0, 0"'),
-        ("x, right\n", "rails.csv:1:1: expected lines of x, right and left, got none"),
+        ("x, right\n0, 0\n1\n", 'rails.csv:3:1: expected 2 values parted by commas, x, right, got "1"'),
+        (
+            "0, 0, 0, 0\n",
+            'rails.csv:1:1: expected a heading with the columns x, right and left (or x and right), or 2 or 3 values, got "0, 0, 0, 0"; if the commas are decimal signs, part the columns with semicolons or tabs',
+        ),
+        ("x, right\n", "rails.csv:1:1: expected lines of x, right and left (or x and right), got none"),
         (
             "x, right\n0, 0\n1, high\n",
             'rails.csv:3:4: track.irregularity.profile.right.1: expected a length, e.g. "1 mm" or 0.001, got "high"',
         ),
         (
             "x [s], right\n0, 0\n1, 0\n",
-            'rails.csv:2:1: track.irregularity.profile.x.0: expected a length, e.g. "-10 m" or -10, got "0 s" ("s" is a time)',
+            'rails.csv:1:1: expected the unit of a length, e.g. x [m], got "x [s]" ("s" is a time)',
         ),
         (
             "x, right\n" + "".join(f"{k}, 0\n" for k in range(10_001)),

@@ -65,8 +65,8 @@ def test_the_trains_hslm_a(number: int, N: int, D: float, d: float, P: float) ->
 
 
 def test_axles_from_a_csv_file(loads: Loads, folder: Path) -> None:
-    """Comment, heading in quotes, units, an empty line; commas, semicolons and tabs part the columns."""
-    text = '# measured\n"position (m)";"force"\n0;"170 kN"\n\n250 cm\t1.2e5\n 3.0 , 56.4 kN \n'
+    """Comment, heading in quotes, units, an empty line."""
+    text = '# measured\n"position (m)";"force"\n0;"170 kN"\n\n250 cm;1.2e5\n 3.0 ; 56.4 kN \n'
     (folder / "axles.csv").write_text(text)
     train = loads(case(CSV)).train
     assert isinstance(train, AxleForces)
@@ -96,24 +96,29 @@ def test_a_csv_file_lies_beside_the_file_that_names_it(loads: Loads, folder: Pat
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
-        ("", "axles.csv:1:1: expected lines of position and force, got none"),
-        ("position, force\n", "axles.csv:1:1: expected lines of position and force, got none"),
-        ("0, 170 kN\n3\n", 'axles.csv:2:1: expected two values, position and force, got "3"'),
-        ("0, 1e5, 3\n", 'axles.csv:1:1: expected two values, position and force, got "0, 1e5, 3"'),
-        ("0, 1e5\n3, ", 'axles.csv:2:1: expected two values, position and force, got "3,"'),
+        ("", "axles.csv:1:1: expected lines of position (or spacing) and force, got none"),
+        ("position, force\n", "axles.csv:1:1: expected lines of position (or spacing) and force, got none"),
+        (
+            "0, 170 kN\n3\n",
+            'axles.csv:2:1: expected 2 values parted by commas, position, force, got "3"',
+        ),
+        (
+            "0, 1e5, 3\n",
+            'axles.csv:1:1: expected a heading with the columns position (or spacing) and force, or 2 values, got "0, 1e5, 3"; if the commas are decimal signs, part the columns with semicolons or tabs',
+        ),
+        ("0, 1e5\n3, ", 'axles.csv:2:1: expected 2 values parted by commas, position, force, got "3,"'),
         (
             "0, 1e5\n3, abc\n",
-            'axles.csv:2:4: train.forces.1: expected a positive force, e.g. "56.4 kN" or 56400, got "abc"',
+            'axles.csv:2:4: train.forces.1: expected a force >= 0, e.g. "56.4 kN" or 56400, got "abc"',
         ),
         (
             "0, 1e5\n3, -4\n",
-            'axles.csv:2:4: train.forces.1: expected a positive force, e.g. "56.4 kN" or 56400, got -4',
+            'axles.csv:2:4: train.forces.1: expected a force >= 0, e.g. "56.4 kN" or 56400, got -4 (a force acts downward: change the sign)',
         ),
         (
             "0, 1e5\n3 kN, 4\n",
-            'axles.csv:2:1: train.positions.1: expected a length >= 0, e.g. "2.5 m" or 2.5, got "3 kN" ("kN" is a force)',
+            'axles.csv:2:1: train.positions.1: expected a length, e.g. "2.5 m" or 2.5, got "3 kN" ("kN" is a force)',
         ),
-        ("1, 1e5\n", "axles.csv:1:1: train.positions: expected the first position to be 0, got 1"),
         (
             "0, 1\n3, 1\n2, 1\n",
             "axles.csv:1:1: train.positions: expected positions in rising order, got 2 (number 3) after 3",
@@ -129,7 +134,6 @@ def test_a_csv_file_lies_beside_the_file_that_names_it(loads: Loads, folder: Pat
         "no number",
         "negative",
         "unit",
-        "not at 0",
         "order",
         "many",
     ],
@@ -177,7 +181,7 @@ def test_a_bad_train(says: Says, train: str, message: str) -> None:
         (HSLM, "contact: {static_load: paper}\n", "case.yaml:6:11: contact.static_load: expected physical, got paper (Eq. 13a is for full-31dof, not for hslm-a)"),
         (HSLM, "sweep:\n  train.number: [1, 11]\n", "case.yaml:7:21: sweep.train.number: expected a whole number from 1 to 10, got 11"),
         (LOADS, "sweep:\n  train.positions.1: [2, 7]\n", "case.yaml:7:3: sweep.train.positions.1: expected positions in rising order, got 5 (number 3) after 7"),
-        (LOADS, "sweep:\n  train.positions.0: [0, 1]\n", "case.yaml:7:3: sweep.train.positions.0: expected the first position to be 0, got 1"),
+        (LOADS, "sweep:\n  train.positions.0: [0, 4]\n", "case.yaml:7:3: sweep.train.positions.0: expected positions in rising order, got 3 (number 2) after 4"),
         (LOADS, "sweep:\n  train.positions.3: [6, 7]\n", "case.yaml:7:3: sweep.train.positions.3: train.positions has no 3; counted from 0, there is 0 to 2"),
         (f"{{consist: [{{vehicle: {LOADS}, spacing: 30}}]}}", "sweep:\n  train.consist.0.vehicle.positions.2: [5, 31]\n", "case.yaml:7:3: sweep.train.consist.0.vehicle.positions.2: expected a spacing of more than 31 m, from the first axle to the last, got 30 m"),
         (f"{{consist: [{{vehicle: {RIGID}, spacing: 15}}]}}", "sweep:\n  train.consist.0.spacing: [15, 11]\n", "case.yaml:7:3: sweep.train.consist.0.spacing: expected a spacing of more than 12 m, from the first axle to the last, got 11 m"),
