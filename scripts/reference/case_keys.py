@@ -28,6 +28,7 @@ from tbi_cli.case.yaml12 import MAX_ALL_KEYS, MAX_DEPTH, MAX_KEYS, MAX_NODES
 _HEAD = """# Keys of a case file
 
 A case file is YAML. Plain numbers are SI; a text may carry a unit (`300 km/h`, `40 t`, `207 GPa`, `0.5 %`).
+Units are written as engineers do: `N/mm2`, `N/mm^2` or `N/mm²`, `kN*s/m` or `kNs/m`, `kph`, `µm`.
 `110.2e3` and `1e5` are numbers, as in YAML 1.2. An unknown key, a key given twice and a value out of range
 are errors; a value outside the column *usual* is a warning, and an error with `--strict`. So is a list, a
 range or a distribution with a unit on some of its numbers and none on others (0 needs none): each is read as

@@ -68,7 +68,7 @@ FORCE_OF_AXLE = Quantity(
     hint="a force acts downward: change the sign",
 )
 POSITION_OF_AXLE = Quantity(
-    "place of each force, the first one's first, counted backward",
+    "place of each force, counted backward; only differences count",
     LENGTH,
     "2.5 m",
     "any",

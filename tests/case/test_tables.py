@@ -43,7 +43,9 @@ SPREADSHEET = 'sep=;\n"Vehicle";"x";"Force"\n"-";"(cm)";"(MN)"\n' + "".join(
     f'"{"loco" if k < 6 else "wagon"}";"{100 * x + 310:.0f}";"{p / 1e6:.6f}";\n'
     for k, (x, p) in enumerate(zip(PLACES, LOADS, strict=True))
 )
-SAVED = "# position_m,force_N\n" + "".join(f"{x:.18e},{p:.18e}\n" for x, p in zip(PLACES, LOADS, strict=True))
+SAVED = "# position_m,force_kN\n" + "".join(
+    f"{x:.18e},{p / 1e3:.18e}\n" for x, p in zip(PLACES, LOADS, strict=True)
+)
 
 
 def first_lines(message: str) -> list[str]:

@@ -158,6 +158,7 @@ def test_a_bad_csv_file(says: Says, folder: Path, lines: str, message: str) -> N
         ("{consist: [{vehicle: 7, spacing: 10}]}", "case.yaml:1:20: train.consist.0.vehicle: expected a file, a built-in train or a mapping, got 7"),
         (f"{{consist: [{{vehicle: {SPRUNG}}}]}}", 'case.yaml:1:19: train.consist.0.spacing: missing; expected a positive length, e.g. "25 m" or 25'),
         (f"{{consist: [{{vehicle: {RIGID}, spacing: 12}}]}}", "case.yaml:1:19: train.consist.0: expected a spacing of more than 12 m, from the first axle to the last, got 12 m"),
+        ("{consist: [{vehicle: {model: moving-load, forces: [1e4, 1e4], positions: [7, 9]}, spacing: 2}]}", "case.yaml:1:19: train.consist.0: expected a spacing of more than 2 m, from the first axle to the last, got 2 m"),
         (f"{{consist: [{{spacing: 500, count: 0, vehicle: {HSLM}}}]}}", "case.yaml:1:34: train.consist.0.count: expected a whole number from 1 to 200, got 0"),
         (f"{{consist: [{{spacing: 5, count: 150, vehicle: {SPRUNG}}}, {{spacing: 5, count: 51, vehicle: {SPRUNG}}}]}}", "case.yaml:1:1: train: expected 1 to 200 vehicles in all, got 201"),
         (f"{{consist: [{{spacing: 5, vehicle: {SPRUNG}}}, {{spacing: 25, vehicle: paper}}]}}", "trains/paper.yaml (built-in):7:1: train.consist.1.vehicle.model: the first vehicle runs on bridge.right alone, a full-31dof on both beams; they cannot run in one train"),
