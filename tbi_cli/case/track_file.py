@@ -5,8 +5,9 @@ from __future__ import annotations
 from itertools import pairwise
 
 from tbi_cli.case.fields import BadValueError
+from tbi_cli.case.heading import Column, Layout
 from tbi_cli.case.messages import CaseError, Problem
-from tbi_cli.case.table import Column, Layout, read_table
+from tbi_cli.case.table import read_table
 from tbi_cli.case.track import LEVELS, MOST_POINTS, PLACES
 from tbi_cli.case.yaml12 import Items, Mapping, Scalar, entry_place
 

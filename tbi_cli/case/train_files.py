@@ -6,9 +6,10 @@ from collections.abc import Callable
 from decimal import Decimal
 
 from tbi_cli.case.fields import LENGTH, BadValueError, Quantity
+from tbi_cli.case.heading import Column, Layout
 from tbi_cli.case.messages import CaseError, Problem, quoted
 from tbi_cli.case.simple_vehicles import FORCE_OF_AXLE, MOST_FORCES, POSITION_OF_AXLE
-from tbi_cli.case.table import Column, Layout, Table, read_table
+from tbi_cli.case.table import Table, read_table
 from tbi_cli.case.yaml12 import Entry, Items, Mapping, Scalar, entry_place, node_place
 
 SPACING = Quantity("distance behind the axle before", LENGTH, "2.5 m", "not negative")

@@ -31,7 +31,7 @@ RAILS = SPRUNG + "track: {irregularity: {profile: {csv: rails.csv}}}\n" + BRIDGE
 # A locomotive of six axles and a wagon of four, as four programs might write it.
 PLACES = (0.0, 2.1, 4.2, 11.25, 13.35, 15.45, 20.07, 21.87, 31.37, 33.17)
 LOADS = (196e3, 196e3, 196e3, 198e3, 198e3, 198e3, 112.5e3, 112.5e3, 0.0, 112.5e3)
-GERMAN = "Axle no;Axle load [kN];Position [m]\r\n" + "".join(
+GERMAN = "1st wheelset;Axle load [kN];Position [m]\r\n" + "".join(
     f"{k};{p / 1e3:.1f};{x:.2f}\r\n".replace(".", ",")
     for k, (x, p) in enumerate(zip(PLACES, LOADS, strict=True), 1)
 )
@@ -56,7 +56,7 @@ def first_lines(message: str) -> list[str]:
 @pytest.mark.parametrize(
     ("content", "left_out"),
     [
-        (GERMAN.encode("utf-16"), ['"Axle no"']),
+        (GERMAN.encode("utf-16"), ['"1st wheelset"']),
         (SPACED.encode(), []),
         (SPREADSHEET.replace("Vehicle", "Länge über Puffer").encode("latin-1"), ['"Länge über Puffer"']),
         (SAVED.encode("utf-8-sig"), []),
