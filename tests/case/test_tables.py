@@ -198,6 +198,7 @@ def test_a_train_of_four_kilometres_is_usual(loads: Loads, folder: Path) -> None
         ("position,force\n0;180 kN\n", '2:1: expected 2 values parted by commas, position, force, got "0;180 kN"'),
         ("position,force\n2,5,180000\n", '2:1: expected 2 values parted by commas, position, force, got "2,5,180000"; if the commas are decimal signs, part the columns with semicolons or tabs'),
         ("position,force,remark\n0,180000,\n2,5,180000,\n", '3:1: expected 3 values parted by commas, position, force, remark, got "2,5,180000,"; if the commas are decimal signs, part the columns with semicolons or tabs'),
+        ("position;remark;force;axle\n0\t;180000;7\n", '2:1: expected 4 values parted by semicolons, position, remark, force, axle, got "0\\x09;180000;7"'),
         ('position,force\n0,"170,000"\n', '2:4: a comma parts the columns here, so that "170,000" cannot be read; write a decimal point, or part the columns with semicolons'),
         ("0;170,000\n3;170,000\n", '1:3: "170,000" may be 170.000 or 170000; write one of these'),
         ("0;170000\n2,5;170.5\n", '2:1: expected one decimal sign, got "170.5" and "2,5"; write numbers without signs between thousands'),
