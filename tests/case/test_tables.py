@@ -168,6 +168,18 @@ def test_one_message_for_one_cause(loads: Loads, says: Says, folder: Path) -> No
     ]
 
 
+def test_a_column_with_units_on_some_of_its_numbers(loads: Loads, folder: Path) -> None:
+    """It is said; where the heading has the unit, one in a cell is but another unit."""
+    (folder / "axles.csv").write_text("position;force\n0 m;180 kN\n2.5 m;180000\n")
+    (warning,) = loads(AXLES).warnings
+    assert first_lines(warning)[0].startswith(
+        "axles.csv:3:7: warning: train.forces: some numbers have a unit and some have none"
+    )
+    (folder / "axles.csv").write_text("position [mm];force [kN]\n0;180\n2.5 m;180000 N\n")
+    train = loads(AXLES, strict=True).train
+    assert (train.positions, train.forces) == ((0.0, 2.5), (180e3, 180e3))
+
+
 def test_a_train_of_four_kilometres_is_usual(loads: Loads, folder: Path) -> None:
     (folder / "axles.csv").write_text(
         "position;force [kN]\n" + "".join(f"{4 * k};225\n" for k in range(1000))
