@@ -77,7 +77,7 @@ def batch_of(*overrides: str, copies: int = 64) -> Batch:
 
 def solve(batch: Batch) -> None:
     """The kernel and what drives it."""
-    integrate(batch.topology, batch.crossing, batch.last, batch.substeps, cubics=batch.cubics)
+    integrate(batch.topology, batch.crossing, batch.last, batch.substeps, rails=batch.rails)
 
 
 def per_case_step(batch: Batch, times: int = 5) -> float:

@@ -90,7 +90,7 @@ class Solver:
                 batch.last,
                 batch.substeps,
                 every=every,
-                cubics=batch.cubics,
+                rails=batch.rails,
                 stopped=self.stopped,
             )
         except StoppedError:

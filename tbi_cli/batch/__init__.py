@@ -37,14 +37,14 @@ class Batch:
     """Scenarios of one structure: what the integrator needs to solve them.
 
     The arrays of `crossing` have the scenarios in their last axis.  `last` is each scenario's last sample.
-    `cubics` are the rails that any of them has.
+    `rails` are those that any of them has.
     """
 
     topology: Topology
     crossing: Crossing
     substeps: int
     last: NDArray[np.int64]
-    cubics: NDArray[np.float64]
+    rails: NDArray[np.float64]
 
 
 def build_batch(crossers: Sequence[Crosser], table: Sequence[int], history: Sequence[int]) -> Batch:
@@ -116,13 +116,13 @@ def build_batch(crossers: Sequence[Crosser], table: Sequence[int], history: Sequ
     angles = np.stack([model.angles for model in models])[pick]
     # An event within rounding of a step is taken to fall on it.
     entry, exit_ = (np.where(np.abs(e - np.rint(e)) < 1e-7, np.rint(e), e) for e in (entry, exit_))
-    interval = rails.density * (start - offset - rails.first) + 1
-    axle = np.stack([angles[:, :, 0].T, angles[:, :, 1].T, entry, exit_, interval], axis=1)
+    place = start - offset - rails.begin + rails.lead
+    axle = np.stack([angles[:, :, 0].T, angles[:, :, 1].T, entry, exit_, place], axis=1)
     sampling = np.array([c.grid.sampling for c in crossers])
     cut_off = np.array([[beam.low_pass for beam in model.system.beams] for model in models])
     scale = (h, h / 2, h / 6, h * h / 6, velocity / length, start / length)
     crossing = Crossing(
-        scale=np.stack([*scale, rails.density * velocity, rails.cubic]),
+        scale=np.stack([*scale, velocity, rails.first, 1 / (velocity * h)]),
         wave=np.arange(1, n + 1)[:, None] * np.pi * (velocity / length),
         term=_by_scenario(values, pick),
         axle=np.ascontiguousarray(axle.reshape(-1, len(crossers))),
@@ -137,7 +137,7 @@ def build_batch(crossers: Sequence[Crosser], table: Sequence[int], history: Sequ
         exact=_one_interval(crossers) if crossers[0].exact else np.zeros((0, len(crossers))),
     )
     last = np.array([c.grid.last for c in crossers], dtype=np.int64)
-    return Batch(topology, crossing, crossers[0].grid.substeps, last, rails.cubics)
+    return Batch(topology, crossing, crossers[0].grid.substeps, last, rails.intervals)
 
 
 def _modes(crossers: Sequence[Crosser]) -> NDArray[np.float64]:

@@ -127,9 +127,20 @@ class Profile(Part):
     """
 
     csv: Annotated[str, Text("CSV file beside this one: x, right and left", 1000)] | None = None
+    start: (
+        Annotated[float, _signed("x at which the bridge begins, as the points count it", "123.4 km")] | None
+    ) = None
     x: Annotated[tuple[Annotated[float, PLACES], ...], AtMost(MOST_POINTS)]
     right: Annotated[tuple[Annotated[float, LEVELS], ...], AtMost(MOST_POINTS)]
     left: Annotated[tuple[Annotated[float, LEVELS], ...], AtMost(MOST_POINTS)] = ()
+
+    @property
+    def points(self) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
+        """Places (m) that rise from the beginning of the bridge at 0, and the levels (m) right and left there."""
+        begin = self.start or 0.0
+        order = slice(None, None, -1 if self.x[-1] < self.x[0] else 1)
+        places = tuple(x - begin for x in self.x[order])
+        return places, self.right[order], (self.left or self.right)[order]
 
     @model_validator(mode="after")
     def _consistent(self) -> Profile:

@@ -26,7 +26,7 @@ Index = Annotated[NDArray[np.int64], np.int64, 1]
 Vector = Annotated[NDArray[np.float64], np.float64, 1]
 Lanes = Annotated[NDArray[np.float64], np.float64, 2]
 History = Annotated[NDArray[np.float64], np.float64, 3]  # sample, channel kept, lane
-Cubics = Annotated[NDArray[np.float64], np.float64, 4]
+Rails = Annotated[NDArray[np.float64], np.float64, 3]  # see `rails`
 
 
 class Topology(NamedTuple):
@@ -67,10 +67,10 @@ class Topology(NamedTuple):
 class Crossing(NamedTuple):
     """The numbers of the scenarios that are in the lanes now (or, with scenarios last, of a whole batch)."""
 
-    scale: Lanes  # h, h/2, h/6, h^2/6, v/L, x0/L; of the rails: intervals per s, number of the first cubic
+    scale: Lanes  # h, h/2, h/6, h^2/6, v/L, x0/L; v, number of the first interval of the rails, 1/(v h)
     wave: Lanes  # per mode, i pi v/L
     term: Lanes  # the different entries of A
-    axle: Lanes  # per axle: cos, sin of pi offset/L; entry, exit in steps; interval of the rails at the start
+    axle: Lanes  # per axle: cos, sin of pi offset/L; entry, exit in steps; place on the rails at the start
     wheel: Lanes  # per wheel: k, c, f_g, 2/(mu L)
     wheel_g: Lanes  # entries of g
     wheel_gm: Lanes  # entries of g over the mass of their coordinate
@@ -97,7 +97,9 @@ class Work(NamedTuple):
     standing: Index  # per lane, the first force that stands on the bridge; per lane, the first behind these
     filter: Lanes  # per low-passed signal and biquad: its two states
     rail: Lanes  # by instant and wheel: r, v r', v^2 r''
-    cubics: Cubics  # level of the rails: profile, rail, interval, power; constant at the ends
+    rails: Rails
+    interval: Lanes  # per axle, the interval of the rails that it is on: see `rails`
+    corner: Lanes  # per wheel, what the corners that it passes in this step add in the middle to r and v r'
     step: Lanes  # number of the step about to be taken, per lane
     reduced: Lanes  # per channel: sum of squares, max, min, step of max, step of min
 
@@ -111,10 +113,12 @@ def lane_zeros(*shape: int) -> NDArray[np.float64]:
     return aligned.reshape(*shape, LANES)
 
 
-LEVEL_RAILS = np.zeros((1, 2, 1, 4))
+# One interval without end, for both rails; the last four numbers say where it is.
+LEVEL_RAILS = np.zeros((1, 3, 4))
+LEVEL_RAILS[0, 2, 2] = np.inf
 
 
-def work_space(topology: Topology, cubics: NDArray[np.float64] = LEVEL_RAILS) -> Work:
+def work_space(topology: Topology, rails: NDArray[np.float64] = LEVEL_RAILS) -> Work:
     """Room for a block of lanes; see `put_to_rest`."""
     nd, n = topology.term_begin.size, topology.n_modes
     axles, wheels = topology.axle_wheel_begin.size, topology.wheel_mode.size
@@ -131,7 +135,9 @@ def work_space(topology: Topology, cubics: NDArray[np.float64] = LEVEL_RAILS) ->
         standing=np.zeros(2 * LANES, dtype=np.int64),
         filter=lane_zeros(4 * topology.filter_col.size),
         rail=lane_zeros(9 * wheels),
-        cubics=cubics,
+        rails=rails,
+        interval=lane_zeros(5 * axles),
+        corner=lane_zeros(2 * wheels),
         step=lane_zeros(1),
         reduced=lane_zeros(5 * topology.channel.size),
     )
@@ -140,7 +146,7 @@ def work_space(topology: Topology, cubics: NDArray[np.float64] = LEVEL_RAILS) ->
 def put_to_rest(work: Work) -> None:
     """A block of lanes at rest before its first step, nothing reduced yet."""
     for values in work:
-        if values is not work.cubics:
+        if values is not work.rails:
             values.fill(0)
     work.reduced[1::5] = -np.inf
     work.reduced[2::5] = np.inf

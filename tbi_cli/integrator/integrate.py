@@ -51,13 +51,13 @@ def integrate(
     substeps: int,
     *,
     every: NDArray[np.int64] | None = None,
-    cubics: NDArray[np.float64] = LEVEL_RAILS,
+    rails: NDArray[np.float64] = LEVEL_RAILS,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Reduced:
     """Integrates each scenario from rest over its samples 0 .. last and reduces its channels.
 
     `crossing` has the scenarios in its last axis.  With `every`, each scenario's history keeps every so many
-    samples.  `cubics` (profiles, 2, intervals, 4) are all rails that any scenario has.  A scenario whose
+    samples.  `rails` (intervals, 3, 4) are all that any scenario has, see `rails`.  A scenario whose
     state stops being finite ends there; the others go on.  A scenario's numbers do not depend on which others
     there are.  Raises StoppedError soon after `stopped()` turns true.
     """
@@ -71,7 +71,7 @@ def integrate(
     most = _SAMPLES_RECORDED_PER_CALL if kept else max(1, _STEPS_PER_CALL // substeps)
     record = lane_zeros(most if kept else 0, kept)
     lanes = Crossing(*(lane_zeros(len(rows)) for rows in crossing))
-    work = work_space(topology, cubics)
+    work = work_space(topology, rails)
     advance = _kernel(topology, lanes, work, substeps, record)
     order = np.argsort(
         -last, kind="stable"

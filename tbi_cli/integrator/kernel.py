@@ -23,9 +23,10 @@ from typing import Any
 from tbi_cli.integrator.arrays import Crossing, History, Topology, Work
 from tbi_cli.integrator.lanes import fma, load, load_at, splat, store
 from tbi_cli.integrator.primitives import flush_subnormals, inlined, item
+from tbi_cli.integrator.rails import carry_rails, rails
 from tbi_cli.integrator.sampling import take_sample
 from tbi_cli.integrator.shapes import axles_on, mode_shapes
-from tbi_cli.integrator.wheels import carry_rails, contact, rails
+from tbi_cli.integrator.wheels import contact
 
 
 @inlined
@@ -112,7 +113,7 @@ def advance(
     for i in range(2 * nd):
         store(work.signal, i, load(work.state, i))
     if topology.irregular:
-        rails(topology, crossing, work, j, 0)
+        rails(topology, crossing, work, j, 0, True)
     for sample in range(samples):
         for substep in range(substeps):
             on_bridge, leaving = axles_on(topology, crossing, work, j)
@@ -121,8 +122,8 @@ def advance(
                 mode_shapes(topology, crossing, work, j + splat(0.5), 1)
                 mode_shapes(topology, crossing, work, j + splat(1.0), 2)
             if topology.irregular:
-                rails(topology, crossing, work, j + splat(0.5), 1)
-                rails(topology, crossing, work, j + splat(1.0), 2)
+                rails(topology, crossing, work, j + splat(0.5), 1, True)
+                rails(topology, crossing, work, j + splat(1.0), 2, True)
             # The first evaluation is the sample's, by the axles on the bridge at this instant.  It serves as
             # the first stage too, unless an axle leaves just then.
             for evaluation in range(0 if substep == 0 else 1, 5):
@@ -153,8 +154,9 @@ def advance(
                 if stage < 3 and (evaluation > 0 or not leaving):
                     next_stage(work, nd, out, half if stage < 2 else h)
             end_step(work, nd, later, h, sixth, square_sixth)
+            j = j + splat(1.0)
             if topology.irregular:
                 carry_rails(topology, work)
-            j = j + splat(1.0)
+                rails(topology, crossing, work, j, 0, False)
     store(work.step, 0, j)
     flush_subnormals(False)

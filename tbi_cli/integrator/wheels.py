@@ -1,4 +1,4 @@
-"""What wheels, rails and beams do to each other, and what is known of each wheel at a sample.
+"""What wheels and beams do to each other, and what is known of each wheel at a sample.
 
 Functions of the kernel: compiled into it, over lane vectors.
 """
@@ -7,39 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from tbi_cli.integrator.lanes import floor, fma, gather_four, less, load, select, splat, store
+from tbi_cli.integrator.lanes import fma, less, load, select, splat, store
 from tbi_cli.integrator.primitives import inlined, item
-
-
-@inlined
-def rails(topology: Any, crossing: Any, work: Any, j: Any, instant: int) -> None:
-    """Level r of the rail under every wheel, with v r' and v^2 r'', j steps after the start."""
-    wheels, intervals = topology.wheel_mode.size, work.cubics.shape[2]
-    t, pace = j * load(crossing.scale, 0), load(crossing.scale, 6)
-    last = splat(float(intervals - 1))
-    for axle in range(topology.axle_wheel_begin.size):
-        place = fma(pace, t, load(crossing.axle, 5 * axle + 4))
-        interval = floor(place)
-        f = place - interval
-        interval = select(less(interval, splat(0.0)), splat(0.0), interval)
-        interval = load(crossing.scale, 7) + select(less(interval, last), interval, last)
-        for wheel in range(item(topology.axle_wheel_begin, axle), item(topology.axle_wheel_end, axle)):
-            rail = splat(float(item(topology.wheel_rail, wheel) * intervals))
-            c0, c1, c2, c3 = gather_four(work.cubics, rail + interval)
-            twice = c2 + c2
-            thrice = splat(3.0) * c3
-            row = 3 * (instant * wheels + wheel)
-            store(work.rail, row, fma(f, fma(f, fma(f, c3, c2), c1), c0))
-            store(work.rail, row + 1, pace * fma(f, fma(f, thrice, twice), c1))
-            store(work.rail, row + 2, pace * pace * fma(f, thrice + thrice, twice))
-
-
-@inlined
-def carry_rails(topology: Any, work: Any) -> None:
-    """The rails at the end of a step are those at the start of the next."""
-    rows = 3 * topology.wheel_mode.size
-    for row in range(rows):
-        store(work.rail, row, load(work.rail, 2 * rows + row))
 
 
 @inlined

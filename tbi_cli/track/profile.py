@@ -14,40 +14,40 @@ Array = NDArray[np.float64]
 class RailProfile:
     """Vertical profile of the right and of the left rail, positive upward.
 
-    first: where the first interval begins (m, the bridge begins at 0); spacing: length of an interval (m);
-    cubics (2, intervals, 4): level (m) in powers of the fraction of the interval that is behind.  Beyond its
-    ends each rail keeps the level that it has there.
+    x (intervals + 1,): where the intervals begin and end (m, the bridge begins at 0), rising; cubics (2,
+    intervals, 4): level (m) in powers of the fraction of the interval that is behind; corners (intervals + 1,):
+    whether a rail has a corner at each x.  Beyond its ends each rail keeps the level that it has there.
     """
 
-    first: float
-    spacing: float
+    x: Array
     cubics: Array
-
-    @property
-    def end(self) -> float:
-        """Where the last interval ends (m)."""
-        return self.first + self.spacing * float(self.cubics.shape[1])
+    corners: NDArray[np.bool_]
 
     def level(self, x: Array, derivative: int = 0) -> Array:
-        """Level (2, n) of the right and of the left rail at places x (n,), or its derivative by x."""
-        place = (np.asarray(x, dtype=float) - self.first) / self.spacing
-        inside = (place >= 0) & (place < self.cubics.shape[1])
-        i = np.clip(np.floor(place), 0, self.cubics.shape[1] - 1).astype(int)
-        f = np.clip(place - i, 0.0, 1.0)
+        """Level (2, n) of the right and of the left rail at places x (n,), or its derivative by x.
+
+        At a corner a derivative is that of the rail ahead.
+        """
+        places = np.asarray(x, dtype=float)
+        i = np.clip(np.searchsorted(self.x, places, side="right") - 1, 0, len(self.x) - 2)
+        length = self.x[i + 1] - self.x[i]
+        f = np.clip((places - self.x[i]) / length, 0.0, 1.0)
         powers = [f**k for k in range(4)]
         for _ in range(derivative):
             powers = [np.zeros_like(f), *(k * powers[k - 1] for k in range(1, 4))]
         value: Array = np.einsum("skc,ck->sk", self.cubics[:, i], np.array(powers))
-        return value if derivative == 0 else value * inside / self.spacing**derivative
+        inside = (places >= self.x[0]) & (places < self.x[-1])
+        return value if derivative == 0 else value * inside / length**derivative
 
 
-def chain(first: float, spacing: float, level: Array, slope_after: Array, slope_before: Array) -> RailProfile:
-    """The profile with given levels and slopes at points at equal distances, and corners where these differ.
+def chain(x: Array, level: Array, slope_after: Array, slope_before: Array) -> RailProfile:
+    """The profile with given levels and slopes at points, and corners where the slopes differ.
 
-    level (2, n + 1) at the points (m); slope_after (2, n) at the beginning of each interval and slope_before
-    (2, n) at its end (m/m).
+    x (n + 1,): the points (m), rising; level (2, n + 1) at them (m); slope_after (2, n) at the beginning of
+    each interval and slope_before (2, n) at its end (m/m).
     """
-    rise = level[:, 1:] - level[:, :-1]
-    here, there = slope_after * spacing, slope_before * spacing
+    length, rise = np.diff(x), level[:, 1:] - level[:, :-1]
+    here, there = slope_after * length, slope_before * length
     cubics = np.stack([level[:, :-1], here, 3 * rise - 2 * here - there, here + there - 2 * rise], axis=-1)
-    return RailProfile(first, spacing, np.ascontiguousarray(cubics))
+    before, after = np.pad(slope_before, ((0, 0), (1, 0))), np.pad(slope_after, ((0, 0), (0, 1)))
+    return RailProfile(x, np.ascontiguousarray(cubics), np.any(before != after, axis=0))

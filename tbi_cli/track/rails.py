@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 
-from tbi_cli.case import Irregularity, Track
-from tbi_cli.case.track import TAPER
+from tbi_cli.case import Irregularity, Ramp, Track
+from tbi_cli.case.track import INTERVALS_IN_SHAPE, TAPER
 from tbi_cli.track.profile import Array, RailProfile, chain
 from tbi_cli.track.random_profile import random_profile
-from tbi_cli.track.shapes import Chained, Level, Measured, Shape
+from tbi_cli.track.shapes import Chained, Level, Measured, Shape, Waves
+
+# Points nearer to each other than this (m) are one.
+_APART = 1e-6
+# A point of random rails, at which they have no corner, is left out where another is nearer than this share of
+# their spacing.
+_CROWDED = 0.125
 
 
 def rail_profile(track: Track, span: float) -> RailProfile:
@@ -19,27 +23,14 @@ def rail_profile(track: Track, span: float) -> RailProfile:
     Sine waves, random and measured rails are tapered at both ends, so that a train starts on level rails;
     shapes stand where they stand, and a ramp leads to a level that is kept.
     """
-    irregularity, shapes = track.irregularity, track.irregularity.shapes
+    irregularity = track.irregularity
     start, end = -track.approach, span + track.approach
-    last = max((end, *(shape.at + shape.length for shape in shapes.values())))
     everywhere = _everywhere(irregularity, start, end)
-    # One part of it has points of the chain where it has its own: the first shape, which has corners at both
-    # ends, or else the measured rails, or the random ones.
-    whole, anchor = track.spacing, 0.0
-    if shapes:
-        first = next(iter(shapes.values()))
-        whole, anchor = first.length, first.at
-    elif irregularity.profile is not None:
-        whole, anchor = min(b - a for a, b in pairwise(irregularity.profile.x)), irregularity.profile.x[0]
-    elif isinstance(everywhere[-1], Chained):
-        whole = everywhere[-1].spacing
-    spacing = whole / float(np.ceil(whole / track.spacing - 1e-9))
-    before, after = (np.ceil(way / spacing - 1e-9) for way in (anchor - start, last - anchor))
-    x: Array = anchor + spacing * np.arange(-before, after + 1)
+    x = _points(track, everywhere, start, end)
     middle = (x[:-1] + x[1:]) / 2
     level = np.zeros((2, len(x)))
     slope_after, slope_before = np.zeros((2, len(middle))), np.zeros((2, len(middle)))
-    for shape in map(Shape, shapes.values()):
+    for shape in map(Shape, irregularity.shapes.values()):
         level += shape.level(x)
         slope_after += shape.slope(x[:-1], middle)
         slope_before += shape.slope(x[1:], middle)
@@ -47,22 +38,75 @@ def rail_profile(track: Track, span: float) -> RailProfile:
         weight, growth = _taper(x, start, end, TAPER * track.approach)
         for part in everywhere:
             here = part.level(x)
+            slope = growth * here + weight * part.slope(x)
             level += weight * here
-            slope_after += (growth * here)[:, :-1] + weight[:-1] * part.slope(x[:-1], middle)
-            slope_before += (growth * here)[:, 1:] + weight[1:] * part.slope(x[1:], middle)
-    return chain(float(x[0]), spacing, level, slope_after, slope_before)
+            slope_after += slope[:, :-1]
+            slope_before += slope[:, 1:]
+    return chain(x, level, slope_after, slope_before)
 
 
 def _everywhere(irregularity: Irregularity, start: float, end: float) -> list[Level]:
     """What goes on all along the track."""
     parts: list[Level] = []
     if irregularity.harmonic is not None:
-        parts.append(Shape(irregularity.harmonic))
+        parts.append(Waves(irregularity.harmonic))
     if irregularity.profile is not None:
         parts.append(Measured(irregularity.profile))
     if irregularity.random is not None:
         parts.append(Chained(random_profile(irregularity.random, start, end)))
     return parts
+
+
+def _points(track: Track, everywhere: list[Level], start: float, end: float) -> Array:
+    """Where the cubics meet: at every corner and point of every part, and as often between them as each asks.
+
+    What is a cubic between two of its points is met exactly; of anything else, a wave, half a wave of a bump
+    or a taper, there are at least INTERVALS_IN_SHAPE cubics.
+    """
+    shapes, harmonic = track.irregularity.shapes, track.irregularity.harmonic
+    taper = TAPER * track.approach if everywhere else 0.0
+    x: Array = np.zeros(0)
+    for shape in shapes.values():
+        x = _together(x, np.array([shape.at, shape.at + shape.length]), _APART)
+    for part in everywhere:
+        if isinstance(part, Measured):
+            x = _together(x, part.x[(part.x > start) & (part.x < end)], _APART)
+    *_, last = (None, *everywhere)
+    if isinstance(last, Chained):
+        x = _together(x, last.x, _CROWDED * float(last.x[1] - last.x[0]))
+    else:
+        x = _together(x, np.array([start, start + taper, end - taper, end]), _APART)
+    middle, longest = (x[:-1] + x[1:]) / 2, np.full(len(x) - 1, np.inf)
+
+    def resolve(length: float, begin: float, stop: float) -> None:
+        within = (middle > begin) & (middle < stop)
+        longest[within] = np.minimum(longest[within], length / INTERVALS_IN_SHAPE)
+
+    for shape in shapes.values():
+        if not isinstance(shape, Ramp):
+            resolve(shape.length, shape.at, shape.at + shape.length)
+    if harmonic is not None:
+        resolve(harmonic.wavelength, start, end)
+    if everywhere:
+        resolve(taper, start, start + taper)
+        resolve(taper, end - taper, end)
+    return _divided(x, longest)
+
+
+def _divided(x: Array, longest: Array) -> Array:
+    """Points x (n + 1,) and those that part each interval evenly into as few as are not longer than `longest`."""
+    length = np.diff(x)
+    parts = np.maximum(np.ceil(length / longest - 1e-9), 1.0).astype(np.int64)
+    k = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
+    within: Array = np.repeat(x[:-1], parts) + np.repeat(length / parts, parts) * k
+    return np.append(within, x[-1])
+
+
+def _together(x: Array, more: Array, apart: float) -> Array:
+    """Points x (n,), rising, and those of `more` that are not nearer to one of them than `apart`."""
+    bounds = np.concatenate([[-np.inf], x, [np.inf]])
+    k = np.searchsorted(bounds, more)
+    return np.union1d(x, more[np.minimum(more - bounds[k - 1], bounds[k] - more) >= apart])
 
 
 def _taper(x: Array, start: float, end: float, length: float) -> tuple[Array, Array]:

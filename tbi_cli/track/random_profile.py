@@ -66,7 +66,7 @@ def random_profile(random: Random, start: float, end: float) -> RailProfile:
         mean = right
         right, left = ((mean[0] + side * cross[0] / 2, mean[1] + side * cross[1] / 2) for side in (1, -1))
     level, slope = np.array([right[0], left[0]]), np.array([right[1], left[1]])
-    return chain(float(x[0]), spacing, level, slope[:, :-1], slope[:, 1:])
+    return chain(x, level, slope[:, :-1], slope[:, 1:])
 
 
 def _blocks(x: Array, period: float) -> Iterator[tuple[int, Array, Array]]:

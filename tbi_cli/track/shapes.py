@@ -1,8 +1,4 @@
-"""Rails of which the level is known as a function of the place.
-
-Where such a function has corners its slope is asked for with a place beside the point in question, which
-tells on which side of the corner it is meant.
-"""
+"""Rails of which the level is known as a function of the place."""
 
 from __future__ import annotations
 
@@ -17,28 +13,43 @@ _SIDES = {"both": (1.0, 1.0), "right": (1.0, 0.0), "left": (0.0, 1.0), "opposite
 
 
 class Level(Protocol):
-    """The level of the right and of the left rail."""
+    """The level of the right and of the left rail all along the track, without corners."""
 
     def level(self, x: Array) -> Array:
         """Level (2, n) in m at places x (n,)."""
 
-    def slope(self, x: Array, beside: Array) -> Array:
-        """Slope (2, n) at places x (n,), on the side where `beside` (n,) is."""
+    def slope(self, x: Array) -> Array:
+        """Slope (2, n) at places x (n,)."""
+
+
+class Waves:
+    """Sine waves."""
+
+    def __init__(self, harmonic: Harmonic) -> None:
+        self._at, self._turn = harmonic.at, 2 * np.pi / harmonic.wavelength
+        self._amplitude = np.array(_SIDES[harmonic.rails])[:, None] * harmonic.amplitude
+
+    def level(self, x: Array) -> Array:
+        """Level (2, n) in m at places x (n,)."""
+        found: Array = self._amplitude * np.sin(self._turn * (x - self._at))
+        return found
+
+    def slope(self, x: Array) -> Array:
+        """Slope (2, n) at places x (n,)."""
+        found: Array = self._amplitude * self._turn * np.cos(self._turn * (x - self._at))
+        return found
 
 
 class Shape:
-    """A ramp, a dip, a bump of half a sine, or sine waves."""
+    """A ramp, a dip, or a bump of half a sine, which stands between two corners."""
 
-    def __init__(self, shape: Ramp | Dip | HalfSine | Harmonic) -> None:
+    def __init__(self, shape: Ramp | Dip | HalfSine) -> None:
         self._shape = shape
         self._sides: Array = np.array(_SIDES[shape.rails])[:, None]
 
     def level(self, x: Array) -> Array:
         """Level (2, n) in m at places x (n,)."""
         shape = self._shape
-        if isinstance(shape, Harmonic):
-            wave: Array = np.sin(2 * np.pi * (x - shape.at) / shape.wavelength)
-            return self._sides * shape.amplitude * wave
         part: Array = np.clip((x - shape.at) / shape.length, 0.0, 1.0)
         if isinstance(shape, Ramp):
             return self._sides * shape.height * part
@@ -49,14 +60,10 @@ class Shape:
         return self._sides * shape.height * bump
 
     def slope(self, x: Array, beside: Array) -> Array:
-        """Slope (2, n) at places x (n,), on the side where `beside` (n,) is."""
+        """Slope (2, n) at places x (n,), on the side where `beside` (n,) is: at a corner it has two."""
         shape = self._shape
-        if isinstance(shape, Harmonic):
-            turn = 2 * np.pi / shape.wavelength
-            rise: Array = np.cos(turn * (x - shape.at))
-            return self._sides * shape.amplitude * turn * rise
         on = (beside > shape.at) & (beside < shape.at + shape.length)
-        part = (x - shape.at) / shape.length
+        part: Array = np.clip((x - shape.at) / shape.length, 0.0, 1.0)
         if isinstance(shape, Ramp):
             slope = np.full_like(x, shape.height / shape.length)
         elif isinstance(shape, Dip):
@@ -72,36 +79,36 @@ class Measured:
     def __init__(self, profile: Profile) -> None:
         from scipy.interpolate import CubicSpline
 
-        self._first, self._last = profile.x[0], profile.x[-1]
-        rails = [profile.right, profile.left or profile.right]
-        self._spline = CubicSpline(np.array(profile.x), np.array(rails), axis=1, bc_type="clamped")
+        places, right, left = profile.points
+        self.x: Array = np.array(places)
+        self._spline = CubicSpline(self.x, np.array([right, left]), axis=1, bc_type="clamped")
 
     def level(self, x: Array) -> Array:
         """Level (2, n) in m at places x (n,)."""
-        found: Array = self._spline(np.clip(x, self._first, self._last))
+        found: Array = self._spline(np.clip(x, self.x[0], self.x[-1]))
         return found
 
-    def slope(self, x: Array, beside: Array) -> Array:
-        """Slope (2, n) at places x (n,), on the side where `beside` (n,) is."""
-        found: Array = self._spline(np.clip(x, self._first, self._last), 1)
-        return np.where((beside > self._first) & (beside < self._last), found, 0.0)
+    def slope(self, x: Array) -> Array:
+        """Slope (2, n) at places x (n,)."""
+        found: Array = self._spline(np.clip(x, self.x[0], self.x[-1]), 1)
+        return np.where((x > self.x[0]) & (x < self.x[-1]), found, 0.0)
 
 
 class Chained:
-    """Rails that are a chain of cubics already."""
+    """Rails that are a chain of cubics without corners already."""
 
     def __init__(self, profile: RailProfile) -> None:
         self._profile = profile
 
     @property
-    def spacing(self) -> float:
-        """Distance of its points (m)."""
-        return self._profile.spacing
+    def x(self) -> Array:
+        """Its points (m)."""
+        return self._profile.x
 
     def level(self, x: Array) -> Array:
         """Level (2, n) in m at places x (n,)."""
         return self._profile.level(x)
 
-    def slope(self, x: Array, beside: Array) -> Array:
-        """Slope (2, n) at places x (n,), on the side where `beside` (n,) is."""
+    def slope(self, x: Array) -> Array:
+        """Slope (2, n) at places x (n,)."""
         return self._profile.level(x, 1)
