@@ -13,8 +13,8 @@ from tbi_cli.track import RailProfile
 class Rails:
     """Each profile once, its intervals one after the other.
 
-    intervals (any, 3, 4), see `integrator.rails`; of each scenario: first (scenarios,), the number of its first
-    interval; begin, where its rails begin (m); lead, the length of the level interval before (m).
+    intervals (any, 3, 4), see `integrator.rails`.  Of each scenario: first, the number of its first interval;
+    begin, where its rails begin (m); lead, the length of the level interval before (m).
     """
 
     def __init__(self, of: Sequence[RailProfile | None]) -> None:

@@ -16,6 +16,7 @@ from tbi_cli.case.fields import BadValueError, Quantity
 from tbi_cli.case.full_train import FullTrain
 from tbi_cli.case.keys import accepts, fields_of, find_number
 from tbi_cli.case.messages import of_many, plain_number
+from tbi_cli.case.met_rails import partly_met, unmet
 from tbi_cli.case.model import Case
 from tbi_cli.case.part import Part
 from tbi_cli.case.settings import HERTZ_SPRING
@@ -25,7 +26,9 @@ from tbi_cli.case.train import VEHICLES
 Finding = tuple[str, str]
 _MOST_CORNERS = 10_000
 _GEOMETRY = re.compile(r"train\..*(geometry\.|spacing|support_distance|positions\.)")
-_TRACK = re.compile(r"track\.(?!.*\.seed)|bridge\.length")
+_TRACK = re.compile(
+    r"track\.(?!.*\.seed)|bridge\.length|solver\.duration|train\..*(geometry\.|spacing|support_distance)"
+)
 FORCES = [model for model, part in VEHICLES.items() if issubclass(part, MovingLoad | HslmA)]
 
 
@@ -117,7 +120,7 @@ def sweep_contradictions(case: Case, axes: tuple[Axis, ...]) -> Iterator[Finding
     if isinstance(case.train, FullTrain | Consist | MovingLoad):
         yield from _geometry_contradictions(case, axes)
     if case.track is not None:
-        yield from _track_contradictions(case, axes)
+        yield from _on_the_track(case, axes, _track_contradictions)
 
 
 def _values_of(axis: Axis) -> Iterator[tuple[str, float]]:
@@ -152,15 +155,25 @@ def _geometry_contradictions(case: Case, axes: tuple[Axis, ...]) -> Iterator[Fin
             return
 
 
-def _track_contradictions(case: Case, axes: tuple[Axis, ...]) -> Iterator[Finding]:
-    """What does not go together on the track, at the corners of the swept lengths and places."""
-    swept = {path for axis in axes for path in axis.paths if _TRACK.match(path)}
-    points = _corners(case, axes, _TRACK) if swept else iter([(case, "")])
-    for point, sweep_key in points:
-        assert point.track is not None
-        for key, text in point.track.contradictions(point.bridge.length):
-            yield sweep_key or key, f"{key}: {text}" if sweep_key else text
+def _on_the_track(
+    case: Case, axes: tuple[Axis, ...], said_of: Callable[[Case], Iterable[Finding]]
+) -> Iterator[Finding]:
+    """What is said of the track, or first said of it at a corner of the swept lengths and places."""
+    swept = any(_TRACK.match(path) for axis in axes for path in axis.paths)
+    for point, sweep_key in _corners(case, axes, _TRACK) if swept else iter([(case, "")]):
+        try:
+            found = list(said_of(point))
+        except BadValueError:
+            continue  # arms that do not go together are said of their own keys
+        if found:
+            yield from [(sweep_key, f"{found[0][0]}: {found[0][1]}")] if sweep_key else found
             return
+
+
+def _track_contradictions(case: Case) -> Iterator[Finding]:
+    assert case.track is not None
+    yield from case.track.contradictions(case.bridge.length)
+    yield from unmet(case)
 
 
 def _corners(case: Case, axes: tuple[Axis, ...], wanted: re.Pattern[str]) -> Iterator[tuple[Case, str]]:
@@ -204,6 +217,7 @@ def oddities(case: Case, axes: tuple[Axis, ...], has_unit: Callable[[str], bool]
         yield from ((f"train.{key}", text) for key, text in case.train.oddities())
     if case.track is not None:
         yield from case.track.oddities()
+        yield from _on_the_track(case, axes, partly_met)
 
 
 def _numbers(part: Part, before: str) -> Iterator[tuple[list[str], Quantity, list[float]]]:

@@ -52,9 +52,9 @@ class Accepts:
         return core_schema.no_info_plain_validator_function(_as_pydantic(self.parse))
 
 
-def rejected(text: str) -> PydanticCustomError:
-    """The error by which a validator says `text` of a value."""
-    return PydanticCustomError("tbi", "{text}", {"text": text})
+def rejected(text: str, *at: str | int) -> PydanticCustomError:
+    """The error by which a validator says `text` of a value, or of what is in it under the keys `at`."""
+    return PydanticCustomError("tbi", "{text}", {"text": text, "at": at})
 
 
 @dataclass(frozen=True)

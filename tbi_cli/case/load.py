@@ -185,6 +185,7 @@ def _problems(error: ValidationError, root: Mapping) -> Iterable[Problem]:
                 words = words[: at + 1]
         if words[-1:] in (["train"], ["vehicle"]) and item["type"].startswith("union_tag"):
             words = [*words, "model"]
+        words += item.get("ctx", {}).get("at", ())
         key = ".".join(str(word) for word in words)
         text = _text(item["type"], item, words, root)
         yield Problem(_place(root, words), key, of_many(text, count))

@@ -111,7 +111,7 @@ class Random(Part):
         return {"shortest_wavelength": shortest, "longest_wavelength": longest} | values
 
 
-PLACES = _signed("places along the track, rising; the bridge begins at 0", "-10 m")
+PLACES = _signed("places along the track, rising; the bridge begins at 0, or at start", "-10 m")
 # Measured levels are in mm more often than not.
 LEVELS = replace(
     _signed("level of the rail at each place, upward", "1 mm", (-0.2, 0.2)),
@@ -136,11 +136,16 @@ class Profile(Part):
 
     @property
     def points(self) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
-        """Places (m) that rise from the beginning of the bridge at 0, and the levels (m) right and left there."""
-        begin = self.start or 0.0
-        order = slice(None, None, -1 if self.x[-1] < self.x[0] else 1)
+        """Places (m), rising, the bridge beginning at 0, and the levels (m) of both rails there."""
+        begin, order = self.start or 0.0, slice(None, None, -1 if self.x[-1] < self.x[0] else 1)
         places = tuple(x - begin for x in self.x[order])
         return places, self.right[order], (self.left or self.right)[order]
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The first and the last place (m), the bridge beginning at 0."""
+        first, last = sorted((self.x[0], self.x[-1]))
+        return first - (self.start or 0.0), last - (self.start or 0.0)
 
     @model_validator(mode="after")
     def _consistent(self) -> Profile:
@@ -153,10 +158,12 @@ class Profile(Part):
                 )
         if len(self.x) < 2:
             raise rejected(f"expected 2 to {MOST_POINTS} places, got {len(self.x)}")
-        for before, after in pairwise(self.x):
-            if after <= before:
-                text = f"expected places that rise, got {plain_number(after)} after {plain_number(before)}"
-                raise rejected(text)
+        falling = self.x[-1] < self.x[0]
+        for number, (before, after) in enumerate(pairwise(self.x), 1):
+            if before <= after if falling else after <= before:
+                text = "expected places that rise from point to point, or fall, each of them once, "
+                text += f"got {plain_number(after)} after {plain_number(before)}"
+                raise rejected(text, "x", number)
         self._expect_points_close_enough()
         return self
 
@@ -165,7 +172,8 @@ class Profile(Part):
         import numpy as np
         from scipy.interpolate import CubicSpline
 
-        x, levels = np.array(self.x), np.array([self.right, self.left or self.right])
+        places, *rails = self.points
+        x, levels = np.array(places), np.array(rails)
         between = np.concatenate([x[:-1] + share * np.diff(x) for share in (0.25, 0.5, 0.75)])
         low, high = levels.min(axis=1, keepdims=True), levels.max(axis=1, keepdims=True)
         found = CubicSpline(x, levels, axis=1, bc_type="clamped")(between)
@@ -174,7 +182,9 @@ class Profile(Part):
         if beyond[:, worst].max() > 1e-9:
             k = int(np.searchsorted(x, between[worst])) - 1
             level = found[int(np.argmax(beyond[:, worst])), worst]
-            ends, there = f"{plain_number(x[k])} and {plain_number(x[k + 1])} m", plain_number(level)
+            begin = self.start or 0.0
+            ends = f"{plain_number(x[k] + begin)} and {plain_number(x[k + 1] + begin)} m"
+            there = plain_number(level)
             text = f"expected closer points between {ends}: a smooth rail through them goes to {there} m"
             raise rejected(text)
 
@@ -234,24 +244,9 @@ class Track(Part):
         if irregularity.random is not None:
             waves.append(irregularity.random.shortest_wavelength)
         if irregularity.profile is not None:
-            x = irregularity.profile.x
-            waves.append(4 * (x[-1] - x[0]) / (len(x) - 1))
+            first, last = irregularity.profile.ends
+            waves.append(4 * (last - first) / (len(irregularity.profile.x) - 1))
         return min(waves)
-
-    @property
-    def spacing(self) -> float:
-        """The longest interval (m) of the cubics that resolves all of it."""
-        irregularity = self.irregularity
-        spacings = [shape.length / INTERVALS_IN_SHAPE for shape in irregularity.shapes.values()]
-        if irregularity.harmonic is not None:
-            spacings.append(irregularity.harmonic.wavelength / INTERVALS_IN_SHAPE)
-        if irregularity.random is not None:
-            spacings.append(irregularity.random.shortest_wavelength / INTERVALS_IN_WAVE)
-        if irregularity.profile is not None:
-            spacings.append(min(b - a for a, b in pairwise(irregularity.profile.x)) / 2)
-        if irregularity.everywhere and self.approach > 0:
-            spacings.append(TAPER * self.approach / INTERVALS_IN_SHAPE)
-        return min(spacings)
 
     def contradictions(self, span: float) -> Iterator[tuple[str, str]]:
         """Key and message for numbers that do not go together, on a bridge of this span (m)."""
@@ -275,13 +270,20 @@ class Track(Part):
                 text = f"expected a place on the approach, {plain_number(-self.approach)} m, or after it"
                 yield f"track.irregularity.{name}.at", f"{text}, got {plain_number(shape.at)} m"
         ends = [shape.at + shape.length for shape in irregularity.shapes.values()]
+        waves = []
+        if irregularity.harmonic is not None:
+            waves.append((irregularity.harmonic.wavelength, INTERVALS_IN_SHAPE))
+        if random is not None:
+            waves.append((random.shortest_wavelength, INTERVALS_IN_WAVE))
         length = max(span + self.approach, *ends, 0.0) + self.approach
-        if length > MOST_INTERVALS * self.spacing:
-            most = plain_number(MOST_INTERVALS * self.spacing)
-            text = (
-                f"expected at most {most} m of track with waves of {plain_number(self.shortest_wave)} m on it"
-            )
-            yield "track", f"{text}, got {plain_number(length)} m"
+        for wave, intervals in waves:
+            most = MOST_INTERVALS * wave / intervals
+            if length > most:
+                text = (
+                    f"expected at most {plain_number(most)} m of track with waves of {plain_number(wave)} m"
+                )
+                yield "track", f"{text} on it, got {plain_number(length)} m"
+                return
 
     def oddities(self) -> Iterator[tuple[str, str]]:
         """Key and message where a spectrum is used beyond the wavelengths for which it holds."""

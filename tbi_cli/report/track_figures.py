@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from tbi_cli.case import Case, Random, Track
+from tbi_cli.case.track import INTERVALS_IN_WAVE
 from tbi_cli.report.ensembles import seeds_of
 from tbi_cli.report.plot import Array, Axis, Curve, Mark, Panel, Plot
 from tbi_cli.report.study import Study
@@ -49,7 +50,7 @@ def track_figures(study: Study, select: Mapping[str, int]) -> Iterator[Plot]:
 
 def _rails(case: Case, track: Track) -> Panel:
     profile = rail_profile(track, case.bridge.length)
-    x = np.linspace(profile.first, profile.end, _POINTS)
+    x = np.linspace(profile.x[0], profile.x[-1], _POINTS)
     right, left = profile.level(x)
     curves = [Curve("right rail", x, right, 0)]
     if case.bridge.left is not None and not np.array_equal(right, left):
@@ -60,7 +61,7 @@ def _rails(case: Case, track: Track) -> Panel:
 
 def _spectrum(random: Random, cases: list[Case]) -> Panel:
     """Periodograms between the tapers, under Hann's window, and the density that was asked for."""
-    found = [_periodogram(case) for case in cases]
+    found = [_periodogram(random, case) for case in cases]
     wavenumber = found[0][0]
     mean: Array = np.mean([density for _, density in found], axis=0)
     kept = (wavenumber >= 2 * np.pi / random.longest_wavelength) & (
@@ -78,15 +79,15 @@ def _spectrum(random: Random, cases: list[Case]) -> Panel:
     return Panel("spectrum of the right rail", WAVELENGTH, DENSITY, curves)
 
 
-def _periodogram(case: Case) -> tuple[Array, Array]:
+def _periodogram(random: Random, case: Case) -> tuple[Array, Array]:
     """Wavenumbers (rad/m) and the one-sided density (m2/(rad/m)) of the right rail between its tapers."""
     assert case.track is not None
     profile = rail_profile(case.track, case.bridge.length)
-    reach = 0.75 * case.track.approach
-    count = int((case.bridge.length + 2 * reach) / profile.spacing)
-    x: Array = -reach + profile.spacing * np.arange(count, dtype=np.float64)
+    reach, spacing = 0.75 * case.track.approach, random.shortest_wavelength / INTERVALS_IN_WAVE
+    count = int((case.bridge.length + 2 * reach) / spacing)
+    x: Array = -reach + spacing * np.arange(count, dtype=np.float64)
     window = np.hanning(count)
     lines = np.abs(np.fft.rfft(window * profile.level(x)[0])) ** 2
-    density: Array = lines * profile.spacing / np.sum(window**2) / np.pi
-    wavenumber: Array = 2 * np.pi * np.arange(len(lines), dtype=np.float64) / (count * profile.spacing)
+    density: Array = lines * spacing / np.sum(window**2) / np.pi
+    wavenumber: Array = 2 * np.pi * np.arange(len(lines), dtype=np.float64) / (count * spacing)
     return wavenumber[1:], density[1:]

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+# Of the steepest slope: a jump that is no corner.
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,8 +17,8 @@ class RailProfile:
     """Vertical profile of the right and of the left rail, positive upward.
 
     x (intervals + 1,): where the intervals begin and end (m, the bridge begins at 0), rising; cubics (2,
-    intervals, 4): level (m) in powers of the fraction of the interval that is behind; corners (intervals + 1,):
-    whether a rail has a corner at each x.  Beyond its ends each rail keeps the level that it has there.
+    intervals, 4): level (m) in powers of the fraction of the interval that is behind; corners (intervals +
+    1,): whether a rail has a corner at each x.  Beyond its ends each rail keeps the level that it has there.
     """
 
     x: Array
@@ -49,5 +51,6 @@ def chain(x: Array, level: Array, slope_after: Array, slope_before: Array) -> Ra
     length, rise = np.diff(x), level[:, 1:] - level[:, :-1]
     here, there = slope_after * length, slope_before * length
     cubics = np.stack([level[:, :-1], here, 3 * rise - 2 * here - there, here + there - 2 * rise], axis=-1)
-    before, after = np.pad(slope_before, ((0, 0), (1, 0))), np.pad(slope_after, ((0, 0), (0, 1)))
-    return RailProfile(x, np.ascontiguousarray(cubics), np.any(before != after, axis=0))
+    jump = np.pad(slope_after, ((0, 0), (0, 1))) - np.pad(slope_before, ((0, 0), (1, 0)))
+    corners = np.any(np.abs(jump) > _ROUNDING * np.max(np.abs(slope_after)), axis=0)
+    return RailProfile(x, np.ascontiguousarray(cubics), corners)

@@ -12,7 +12,7 @@ from tbi_cli.track.shapes import Chained, Level, Measured, Shape, Waves
 
 # Points nearer to each other than this (m) are one.
 _APART = 1e-6
-# A point of random rails, at which they have no corner, is left out where another is nearer than this share of
+# A point of random rails, where they have no corner, is left out if another is nearer than this share of
 # their spacing.
 _CROWDED = 0.125
 
@@ -94,7 +94,7 @@ def _points(track: Track, everywhere: list[Level], start: float, end: float) -> 
 
 
 def _divided(x: Array, longest: Array) -> Array:
-    """Points x (n + 1,) and those that part each interval evenly into as few as are not longer than `longest`."""
+    """Points x (n + 1,), and between them those that leave no interval longer than `longest` (n,), evenly."""
     length = np.diff(x)
     parts = np.maximum(np.ceil(length / longest - 1e-9), 1.0).astype(np.int64)
     k = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)

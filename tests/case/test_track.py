@@ -167,7 +167,7 @@ def test_what_is_wrong_with_a_csv_file(says: Says, folder: Path, table: str, mes
             'case.yaml:13:31: track.irregularity.dip.length: expected a positive length, e.g. "5 m" or 5, got 0',
         ),
         (
-            "ramp: {at: 0, length: 1 mm, height: 1 mm}",
+            "harmonic: {wavelength: 1 mm, amplitude: 1 mm}",
             "case.yaml:12:1: track: expected at most 1.5625 m of track with waves of 0.001 m on it, got 250 m",
         ),
         (
@@ -176,7 +176,11 @@ def test_what_is_wrong_with_a_csv_file(says: Says, folder: Path, table: str, mes
         ),
         (
             "profile: {x: [0, 1, 1], right: [0, 0, 0]}",
-            "case.yaml:13:18: track.irregularity.profile: expected places that rise, got 1 after 1",
+            "case.yaml:13:38: track.irregularity.profile.x.2: expected places that rise from point to point, or fall, each of them once, got 1 after 1",
+        ),
+        (
+            "profile: {x: [9, 4, 5], right: [0, 0, 0]}",
+            "case.yaml:13:38: track.irregularity.profile.x.2: expected places that rise from point to point, or fall, each of them once, got 5 after 4",
         ),
         (
             "profile: {x: [0, 1], right: [0]}",

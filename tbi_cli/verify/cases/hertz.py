@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -11,7 +10,8 @@ from numpy.typing import NDArray
 from tbi_cli.verify.cases.full_train import CASE, changed, text
 from tbi_cli.verify.check import Curve, Line, Outcome, Tolerance, worst_channel
 from tbi_cli.verify.references.parameters import Array
-from tbi_cli.verify.references.rails import LEVEL, Rail, hertz_channels
+from tbi_cli.verify.references.rail_shapes import rails_of
+from tbi_cli.verify.references.rails import hertz_channels
 from tbi_cli.verify.references.rigid_track import Flight
 from tbi_cli.verify.solved import Solved, Verification
 
@@ -113,13 +113,8 @@ def _train(outcome: Outcome, solved: Solved) -> None:
 def _lift_off(outcome: Outcome, solved: Solved) -> None:
     h = solved.history()
     t = h.pop("time")
-    k = 2 * math.pi / LENGTH
-    dip = Rail(
-        lambda x: -DEPTH / 2 * (1 - math.cos(k * (x - AT))) if AT < x < AT + LENGTH else 0.0,
-        lambda x: -DEPTH / 2 * k * math.sin(k * (x - AT)) if AT < x < AT + LENGTH else 0.0,
-        (AT, AT + LENGTH),
-    )
-    reference = hertz_channels(solved.case, t, (dip, LEVEL))
+    rails = rails_of({"dip": DIP}, 10.0, solved.crossing.right.length)
+    reference = hertz_channels(solved.case, t, rails)
     off = _off_events(solved, t)
     case = "wheels lifting off behind a dip"
     for kinds, units in ((("_y", "_pitch", "_roll", "_midspan"), "SI"), (("_force",), "N")):

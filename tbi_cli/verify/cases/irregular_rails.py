@@ -11,9 +11,10 @@ import numpy as np
 from tbi_cli.verify.cases.full_train import changed, text
 from tbi_cli.verify.check import Curve, Line, Outcome, Tolerance, worst_channel
 from tbi_cli.verify.references.parameters import Array, beam_from_mapping
-from tbi_cli.verify.references.rails import Rail, sprung_mass_on_rails
+from tbi_cli.verify.references.rail_shapes import rails_of
+from tbi_cli.verify.references.rails import sprung_mass_on_rails
 from tbi_cli.verify.references.rigid_track import over_a_ramp, steady_sine
-from tbi_cli.verify.references.rough_crossing import TaperedSine, rough_channels
+from tbi_cli.verify.references.rough_crossing import rough_channels
 from tbi_cli.verify.references.simple_vehicles import SprungMass
 from tbi_cli.verify.solved import Solved, Verification
 
@@ -86,21 +87,13 @@ def compare(solved: Mapping[str, Solved]) -> Outcome:
     closed = over_a_ramp(UNDAMPED, VELOCITY * slope, corners[0] / VELOCITY, corners[1] / VELOCITY, t)
     quantity = "sprung_mass_y before the bridge"
     outcome.history("over a ramp", quantity, "m", y[before], closed[before], "closed form", STEP)
-    ramp = Rail(
-        lambda x: slope * min(max(x - corners[0], 0.0), RAMP["length"]),
-        lambda x: slope if corners[0] < x < corners[1] else 0.0,
-        corners,
+    (ramp, _), (dip, _), (sine, _) = (
+        rails_of(irregularity, APPROACH, SPAN)
+        for irregularity in ({"ramp": RAMP}, {"dip": DIP}, {"harmonic": SINE})
     )
     reference = sprung_mass_on_rails(beam, UNDAMPED, VELOCITY, t, ramp)
     _both(outcome, "over a ramp and the bridge", h, reference, STEP)
 
-    k = 2 * math.pi / DIP["length"]
-    ends = (DIP["at"], DIP["at"] + DIP["length"])
-    dip = Rail(
-        lambda x: -DIP["depth"] / 2 * (1 - math.cos(k * (x - ends[0]))) if ends[0] < x < ends[1] else 0.0,
-        lambda x: -DIP["depth"] / 2 * k * math.sin(k * (x - ends[0])) if ends[0] < x < ends[1] else 0.0,
-        ends,
-    )
     h = solved["dip"].history()
     reference = sprung_mass_on_rails(beam, DAMPED, VELOCITY, h["time"], dip)
     _both(outcome, "over a dip on the bridge", h, reference, CUBIC)
@@ -112,8 +105,7 @@ def compare(solved: Mapping[str, Solved]) -> Outcome:
     closed = steady_sine(DAMPED, SINE["amplitude"], 2 * math.pi * VELOCITY / SINE["wavelength"], t)
     quantity = "sprung_mass_y, steady, before the bridge"
     outcome.history("over sine waves", quantity, "m", y[steady], closed[steady], "transfer function", STEADY)
-    waves = TaperedSine(SINE["amplitude"], SINE["wavelength"], -APPROACH, SPAN + APPROACH, APPROACH / 4)
-    reference = sprung_mass_on_rails(beam, DAMPED, VELOCITY, t, waves.rail())
+    reference = sprung_mass_on_rails(beam, DAMPED, VELOCITY, t, sine)
     _both(outcome, "over sine waves and the bridge", h, reference, CUBIC)
     outcome.curves.append(_curve("Over sine waves", h, reference))
     _train(outcome, solved["rolling-train"])
@@ -144,10 +136,10 @@ def _train(outcome: Outcome, solved: Solved) -> None:
     """Every channel of the full train but those that hold r'', away from samples at which an axle enters."""
     h = solved.history()
     t = h.pop("time")
-    ends = (-50.0, 100.0, 12.5)
-    right, left = (TaperedSine(side * 1e-3, 8.0, *ends) for side in (1.0, -1.0))
-    reference = rough_channels(solved.case, t, (right, left))
     crossing = solved.crossing
+    track = solved.case["track"]
+    rails = rails_of(track["irregularity"], track["approach"], crossing.right.length)
+    reference = rough_channels(solved.case, t, rails)
     entries = crossing.train.axle_distances / crossing.velocity
     events = np.concatenate([entries, entries + crossing.right.length / crossing.velocity])
     off = np.abs(t[:, None] - events).min(axis=1) > 1e-9

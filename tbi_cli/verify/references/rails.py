@@ -22,21 +22,10 @@ import numpy as np
 
 from tbi_cli.verify.references.energies import COORDINATES, KINEMATIC, train_matrices
 from tbi_cli.verify.references.parameters import STANDARD_GRAVITY, Array, Beam, Crossing, crossing_from_case
+from tbi_cli.verify.references.rail_shapes import BESIDE, LEVEL, Rail
 from tbi_cli.verify.references.simple_vehicles import SprungMass
 
 RELATIVE, ABSOLUTE = 1e-10, 1e-14
-
-
-@dataclass(frozen=True)
-class Rail:
-    """A rail: level r(x) and slope r'(x) in m, and the places of its corners."""
-
-    level: Callable[[float], float]
-    slope: Callable[[float], float]
-    corners: Sequence[float] = ()
-
-
-LEVEL = Rail(lambda x: 0.0, lambda x: 0.0)
 
 
 @dataclass(frozen=True)
@@ -74,7 +63,7 @@ def sprung_mass_on_rails(
         w, w_t = phi @ q, phi @ q_t
         if convective:
             w_t += velocity * norm * (kappa * np.cos(kappa * x) * on) @ q
-        slope = rail.slope(x + 1e-9 * velocity * (inside - t))
+        slope = rail.slope(x + (BESIDE if t < inside else -BESIDE))
         spring = k * (y - w - rail.level(x)) + c * (y_t - w_t - velocity * slope)
         q_tt = phi * (spring - m * gravity) / beam.mu - beam.c * q_t / beam.mu - beam.omega**2 * q
         return np.concatenate([q_t, [y_t], q_tt, [-spring / m]])
@@ -158,9 +147,9 @@ class HertzSystem:
             phi[rows, columns] = norm * np.sin(phase) * on
             phi_x[rows, columns] = norm * kappa * np.cos(phase) * on
         q, q_t = x[len(COORDINATES) :], x_t[len(COORDINATES) :]
-        nudge = 1e-9 * (there - xi)
-        r = np.array([rail.level(place) for rail in self.rails for place in xi])
-        slope = np.array([rail.slope(place) for rail in self.rails for place in xi + nudge])
+        beside = BESIDE if t < inside else -BESIDE
+        r = np.concatenate([rail.level(xi) for rail in self.rails])
+        slope = np.concatenate([rail.slope(xi + beside) for rail in self.rails])
         w, w_t = phi @ q + r, phi @ q_t + v * (phi_x @ q) + v * slope
         u, u_t = self.wheels @ x[: len(COORDINATES)], self.wheels @ x_t[: len(COORDINATES)]
         spring = self.spring
