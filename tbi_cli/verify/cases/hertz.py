@@ -23,12 +23,14 @@ SMOOTH = changed(
         "solver": {"sampling": 2e-3, "substeps": 40, "duration": 0.7},
     }
 )
-AT, LENGTH, DEPTH = 2.0, 2.0, 6e-3
-DIP = {"at": AT, "length": LENGTH, "depth": DEPTH, "rails": "right"}
+BUMPS = {
+    "dip": {"at": 2.0, "length": 2.0, "depth": 6e-3, "rails": "right"},
+    "half_sine": {"at": 3.3171, "length": 1.7, "height": 0.4e-3, "rails": "left"},
+}
 LIFTING = changed(
     {
         "contact": {**HERTZ, "damping": 50e3},
-        "track": {"approach": 10.0, "irregularity": {"dip": DIP}},
+        "track": {"approach": 10.0, "irregularity": BUMPS},
         "solver": {"sampling": 5e-4, "substeps": 25, "duration": 0.3},
     }
 )
@@ -113,7 +115,7 @@ def _train(outcome: Outcome, solved: Solved) -> None:
 def _lift_off(outcome: Outcome, solved: Solved) -> None:
     h = solved.history()
     t = h.pop("time")
-    rails = rails_of({"dip": DIP}, 10.0, solved.crossing.right.length)
+    rails = rails_of(BUMPS, 10.0, solved.crossing.right.length)
     reference = hertz_channels(solved.case, t, rails)
     off = _off_events(solved, t)
     case = "wheels lifting off behind a dip"

@@ -42,23 +42,25 @@ def rails_of(irregularity: Mapping[str, Any], approach: float, span: float) -> t
     Waves and measured rails have the factor 1 - (1 - s)^3 (1 + 3 s + 6 s^2), s the share that is behind of
     the first quarter of the first approach, or ahead of the last quarter of the second.
     """
-    parts = []
+    found = []
     for side in (0, 1):
-        of_side: list[Rail] = []
+        standing: list[Rail] = []
+        everywhere: list[Rail] = []
         for key, part in irregularity.items():
             if key == "profile":
-                rail = _measured(part["x"], part["right" if side == 0 or "left" not in part else "left"])
-                of_side.append(_tapered(rail, approach, span))
-                continue
-            rail = _scaled(_SHAPES[key](part), _SIDES[part.get("rails", "both")][side])
-            of_side.append(_tapered(rail, approach, span) if key == "harmonic" else rail)
-        parts.append(_sum(of_side))
-    return parts[0], parts[1]
+                levels = part["left"] if side == 1 and "left" in part else part["right"]
+                everywhere.append(_measured(part["x"], levels))
+            elif sign := _SIDES[part.get("rails", "both")][side]:
+                (everywhere if key == "harmonic" else standing).append(_scaled(_SHAPES[key](part), sign))
+        found.append(
+            _sum([*standing, _tapered(_sum(everywhere), approach, span)] if everywhere else standing)
+        )
+    return found[0], found[1]
 
 
 def _sum(rails: Sequence[Rail]) -> Rail:
     def added(name: str) -> Function:
-        return lambda x: sum(getattr(rail, name)(x) for rail in rails)
+        return lambda x: sum((getattr(rail, name)(x) for rail in rails), 0 * x)
 
     corners = sorted({float(x) for rail in rails for x in rail.corners})
     return Rail(added("level"), added("slope"), corners, added("curvature"))
@@ -68,7 +70,7 @@ def _scaled(rail: Rail, factor: float) -> Rail:
     return Rail(
         lambda x: factor * rail.level(x),
         lambda x: factor * rail.slope(x),
-        rail.corners if factor else (),
+        rail.corners,
         lambda x: factor * rail.curvature(x),
     )
 
@@ -164,6 +166,8 @@ def _tapered(rail: Rail, approach: float, span: float) -> Rail:
 
     def factor(x: Any) -> tuple[Any, Any, Any]:
         s = np.clip(np.minimum(x - start, end - x) / length, 0.0, 1.0)
+        if np.all(s == 1.0):
+            return 1.0, 0.0, 0.0
         side = np.where(x - start < end - x, 1.0, -1.0) / length
         W = 1 - (1 - s) ** 3 * (1 + 3 * s + 6 * s * s)
         return W, side * 30 * (s - s * s) ** 2, side * side * 60 * (s - s * s) * (1 - 2 * s)
