@@ -210,6 +210,96 @@ def test_a_swept_place_may_not_leave_the_approach(says: Says) -> None:
     )
 
 
+PROFILE = "x: [123400, 123450, 123500], right: [0, 1 mm, 0]"
+
+
+@pytest.mark.parametrize(
+    ("irregularity", "more", "message"),
+    [
+        (
+            "dip: {at: 350, length: 5, depth: 1 mm}",
+            "",
+            "case.yaml:13:24: track.irregularity.dip.at: expected a place before 350 m, as far as the first axle comes (solver.duration), got 350 m",
+        ),
+        (
+            f"profile: {{{PROFILE}}}",
+            "",
+            "case.yaml:13:18: track.irregularity.profile: expected points between -100 and 150 m, where a train meets them, got 123400 to 123500 m; start is the x at which the bridge begins",
+        ),
+        (
+            f"profile: {{start: 133.42 km, {PROFILE}}}",
+            "",
+            "case.yaml:13:18: track.irregularity.profile: expected points between 133320 and 133570 m, where a train meets them, got 123400 to 123500 m; start is the x at which the bridge begins",
+        ),
+        (
+            f"profile: {{start: 123.345678 km, {PROFILE}}}",
+            "solver: {duration: 0.5}\n",
+            "case.yaml:13:18: track.irregularity.profile: expected points between 123245.678 and 123380.678 m, where a train meets them, got 123400 to 123500 m; start is the x at which the bridge begins",
+        ),
+        (
+            f"profile: {{start: 123.42 km, {PROFILE}}}",
+            "sweep: {track.irregularity.profile.start: [123.42 km, 124 km]}\n",
+            "case.yaml:14:9: sweep.track.irregularity.profile.start: track.irregularity.profile: expected points between 123900 and 124150 m, where a train meets them, got 123400 to 123500 m; start is the x at which the bridge begins",
+        ),
+        (
+            "dip: {at: 100, length: 5, depth: 1 mm}",
+            "sweep: {solver.duration: [1, 3]}\n",
+            "case.yaml:14:9: sweep.solver.duration: track.irregularity.dip.at: expected a place before 70 m, as far as the first axle comes (solver.duration), got 100 m",
+        ),
+    ],
+)
+def test_rails_that_no_wheel_meets_are_refused(
+    says: Says, irregularity: str, more: str, message: str
+) -> None:
+    """The bridge ends at 50 m, the track at 150 m; the first axle comes to 5 x (50 + 20) m."""
+    assert first_line(says(track(irregularity, more))) == message
+
+
+@pytest.mark.parametrize(
+    ("irregularity", "more", "warning"),
+    [
+        (
+            "half_sine: {at: 348, length: 5, height: 1 mm}",
+            "",
+            "case.yaml:13:18: warning: track.irregularity.half_sine: met only in part: it ends at 353 m, behind 350 m, as far as the first axle comes (solver.duration)",
+        ),
+        (
+            "profile: {start: 123.42 km, x: [123300, 123450, 123500], right: [0, 1 mm, 0]}",
+            "",
+            "case.yaml:13:18: warning: track.irregularity.profile: met only in part: its points go from 123300 to 123500 m, the train from 123320 to 123570 m",
+        ),
+        (
+            f"profile: {{{PROFILE}}}",
+            "sweep: {track.irregularity.profile.start: [123.42 km, 123.52 km]}\n",
+            "case.yaml:14:9: warning: sweep.track.irregularity.profile.start: track.irregularity.profile: met only in part: its points go from 123400 to 123500 m, the train from 123420 to 123670 m",
+        ),
+        ("dip: {at: 200, length: 5, depth: 1 mm}", "", None),
+        (f"profile: {{start: 123.42 km, {PROFILE}}}", "", None),
+    ],
+)
+def test_rails_that_are_met_only_in_part_are_odd(
+    loads: Loads, says: Says, irregularity: str, more: str, warning: str | None
+) -> None:
+    text = track(irregularity, more)
+    assert [first_line(found) for found in loads(text).warnings] == ([warning] if warning else [])
+    if warning:
+        assert first_line(says(text, strict=True)) == warning.replace("warning: ", "")
+
+
+def test_a_profile_counts_from_its_own_origin_and_either_way(loads: Loads, folder: Path) -> None:
+    """`start` is an axis like others, and absent where it is not given: the hash of older cases stands."""
+    (folder / "rails.csv").write_text("x [km]; right [mm]\n123.5; 1\n123.46; 3\n123.4; 2\n")
+    case = loads(track("profile: {csv: rails.csv, start: 123.42 km}"))
+    assert case.track is not None
+    profile = case.track.irregularity.profile
+    assert profile is not None
+    places, right, left = profile.points
+    assert places == pytest.approx((-20, 40, 80), abs=1e-9)
+    assert right == left == (2e-3, 3e-3, 1e-3)
+    assert stored_case(case.to_yaml()) == case
+    assert "start" not in loads(track("profile: {x: [0, 9], right: [0, 1 mm]}")).to_yaml()
+
+
 def test_constant_forces_do_not_feel_rails(says: Says) -> None:
     text = (CASE + RANDOM).replace("train: paper", "train: {model: moving-load, forces: [1 kN]}")
     text = "\n".join(line for line in text.splitlines() if "left:" not in line)
