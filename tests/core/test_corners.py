@@ -130,3 +130,28 @@ def test_the_first_place_of_a_step_is_behind_a_corner_and_the_last_before_it(tmp
     jump = VEHICLE.damping * VELOCITY * ramp["height"] / ramp["length"] / VEHICLE.mass
     assert h["sprung_mass_y_acceleration"][at - 1] == 0.0
     assert h["sprung_mass_y_acceleration"][at] == pytest.approx(jump, rel=1e-6)
+
+
+@pytest.mark.parametrize("contact", ["{model: paper, static_load: physical}", "{model: hertz, damping: 5e4}"])
+def test_corners_of_the_other_rail_are_those_of_a_mirror(contact: str) -> None:
+    """A ramp on one rail and a bump on the other, inside of steps, on equal beams: forces change sides.
+
+    Rounding enters in another order at the left wheels.
+    """
+    ramp, bump = "{at: -7.03, length: 2, height: 1 mm", "{at: -6.1, length: 3, height: 1 mm"
+    found = []
+    for sides in (("right", "left"), ("left", "right")):
+        irregularity = f"{{ramp: {ramp}, rails: {sides[0]}}}, half_sine: {bump}, rails: {sides[1]}}}}}"
+        track = f"track={{approach: 8, irregularity: {irregularity}}}"
+        solver = "solver={sampling: 0.001, substeps: 8, duration: 0.4}"
+        found.append(
+            histories(
+                paper(BUMP[0], "velocity=40", track, solver, f"contact={contact}", "output.histories=all")
+            )
+        )
+    one, other = found
+    assert np.ptp(one["wheel_1_right_force"] - one["wheel_1_left_force"]) > 1e3
+    for axle in range(1, 5):
+        for side, mirrored in (("right", "left"), ("left", "right")):
+            force, twin = one[f"wheel_{axle}_{side}_force"], other[f"wheel_{axle}_{mirrored}_force"]
+            assert np.max(np.abs(force - twin)) < 1e-8 * np.max(np.abs(force))
