@@ -138,7 +138,7 @@ def test_corners_of_the_other_rail_are_those_of_a_mirror(contact: str) -> None:
 
     Rounding enters in another order at the left wheels.
     """
-    ramp, bump = "{at: -7.03, length: 2, height: 1 mm", "{at: -6.1, length: 3, height: 1 mm"
+    ramp, bump = "{at: -7.0317, length: 2, height: 1 mm", "{at: -6.1043, length: 3, height: 1 mm"
     found = []
     for sides in (("right", "left"), ("left", "right")):
         irregularity = f"{{ramp: {ramp}, rails: {sides[0]}}}, half_sine: {bump}, rails: {sides[1]}}}}}"
