@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
-from tbi_cli.case.fields import BadValueError
 from tbi_cli.case.heading import Column, Layout
 from tbi_cli.case.messages import CaseError, Problem
 from tbi_cli.case.table import read_table
@@ -58,18 +55,6 @@ def resolve_track(root: Mapping) -> list[Problem]:
         for name, values in (("x", (0.0, 1.0)), ("right", (0.0, 0.0))):
             profile.put(name, Items(*here, items=[Scalar(*here, value=value) for value in values]))
         return [first if first.place else Problem(entry_place(entry), f"{key}.csv", text)]
-    for name, column in _rising(table.columns).items():
+    for name, column in table.columns.items():
         profile.put(name, column)
     return table.warnings
-
-
-def _rising(columns: dict[str, Items]) -> dict[str, Items]:
-    """The points in rising order, where they fall from line to line; in any other order, as they are."""
-    try:
-        x = [PLACES.parse(item.value) for item in columns["x"].items if isinstance(item, Scalar)]
-    except BadValueError:
-        return columns  # said where the case is validated
-    if len(x) > 1 and all(after < before for before, after in pairwise(x)):
-        for column in columns.values():
-            column.items.reverse()
-    return columns
