@@ -159,7 +159,7 @@ def test_one_message_for_one_cause(loads: Loads, says: Says, folder: Path) -> No
     (folder / "rails.csv").write_text("\n".join(lines))
     (warning,) = loads(RAILS).warnings
     assert first_lines(warning) == [
-        'rails.csv:4:6: warning: track.irregularity.profile.right.3: 0.3 m is outside the usual -0.2 to 0.2 m; was "0.3 mm" meant?; 600 such values'
+        'rails.csv:4:5: warning: track.irregularity.profile.right.3: 0.3 m is outside the usual -0.2 to 0.2 m; was "0.3 mm" meant?; 600 such values'
     ]
     (folder / "axles.csv").write_text("".join(f"{-3 * k},-170000\n" for k in range(49)))
     assert first_lines(says(AXLES)) == [
