@@ -12,10 +12,10 @@ reads.  Each is imported when it is first used.
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
+TYPE_CHECKING = False  # typing's own takes long to import
 if TYPE_CHECKING:
+    from typing import Any
+
     from tbi_cli.case import Case, load_case
     from tbi_cli.runner import Options, Summary, run
     from tbi_cli.store import Results, open_results, studies_of
@@ -39,4 +39,6 @@ __all__ = ["Case", "Options", "Results", "Summary", "load_case", "open_results",
 def __getattr__(name: str) -> Any:
     if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
     return getattr(import_module(_PLACES[name]), name)

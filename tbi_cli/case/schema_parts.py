@@ -20,6 +20,7 @@ from tbi_cli.case.track import Irregularity, Profile, Random
 from tbi_cli.case.train import TRAINS, VEHICLES
 from tbi_cli.case.unit_patterns import unit_pattern
 from tbi_cli.case.units import to_si
+from tbi_cli.docstrings import docstring
 
 Schema = dict[str, Any]
 
@@ -102,7 +103,7 @@ class Parts:
                 properties[key] = _list(value, info, leaf.text) if is_list(info) else value
         schema: Schema = {
             "type": "object",
-            "description": _first_sentence(part.__doc__),
+            "description": _first_sentence(docstring(part)),
             "properties": properties | given,
             "required": required,
             "additionalProperties": False,
@@ -200,5 +201,5 @@ def _list(items: Schema, info: FieldInfo, text: str) -> Schema:
     return schema if most is None else schema | {"maxItems": most}
 
 
-def _first_sentence(text: str | None) -> str:
-    return re.split(r"(?<=\.)\s", text or "", maxsplit=1)[0]
+def _first_sentence(text: str) -> str:
+    return re.split(r"(?<=\.)\s", text, maxsplit=1)[0]

@@ -23,7 +23,11 @@ from tbi_cli.cli.submit import submit
 from tbi_cli.cli.validate import validate
 from tbi_cli.cli.verify import verify
 from tbi_cli.cli.version import common
-from tbi_cli.errors import UserError
+from tbi_cli.docstrings import docstring
+from tbi_cli.cli.stopping import INTERRUPTED
+from tbi_cli.cli.streams import ReaderGoneError
+from tbi_cli.errors import RunFailedError, UserError
+from tbi_cli.shortage import shortage
 
 app = typer.Typer(
     name="tbi",
@@ -40,19 +44,35 @@ _COMMANDS = (
     *(merge, submit, status),
 )
 for command in _COMMANDS:
-    app.command(command.__name__.rstrip("_"))(command)
+    app.command(command.__name__.rstrip("_"), help=docstring(command))(command)
 
 
 def run_command_line(arguments: Sequence[str]) -> int:
     """Runs one command and returns its exit code.
 
-    A user's mistake is one message on standard error, never a traceback.
+    A user's mistake, or a shortage of memory, is one message on standard error, never a traceback.
     """
+    try:
+        code = _run(arguments)
+        sys.stdout.flush()
+        return code
+    except ReaderGoneError as error:
+        return error.exit_code
+    except UserError as error:
+        print(error, file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except Exception as error:
+        if (message := shortage(error)) is None:
+            raise
+    print(message, file=sys.stderr)
+    return RunFailedError.exit_code
+
+
+def _run(arguments: Sequence[str]) -> int:
     try:
         app(list(arguments), prog_name="tbi")
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else 0
-    except UserError as error:
-        print(error, file=sys.stderr)
-        return error.exit_code
     return 0
