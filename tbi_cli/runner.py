@@ -13,13 +13,14 @@ from typing import Protocol
 import numpy as np
 
 from tbi_cli.case import Axis, Case
-from tbi_cli.errors import UserError
+from tbi_cli.errors import RunFailedError, UserError
 from tbi_cli.integrator.kernel_cache import compile_kernels
 from tbi_cli.plan import Plan, PlanError, joined, make_plan
 from tbi_cli.resources import available_memory
 from tbi_cli.responses import Channel
 from tbi_cli.rounds import Mask, Rounds
 from tbi_cli.shards import Shard
+from tbi_cli.shortage import shortage
 from tbi_cli.solve import Solver
 from tbi_cli.store import (
     FAILED,
@@ -109,13 +110,21 @@ def run(
     """Solves every scenario of a case that is not solved yet and writes the results file.
 
     Once `stop` is set, the batches under way are dropped, and what is finished stays beside the results
-    file, to be resumed.  Raises RunError for what cannot be run, StoreError for trouble with the file.
+    file, to be resumed.  Raises RunError for what cannot be run, StoreError for trouble with the file,
+    RunFailedError where memory, threads or open files run short.
     """
-    options, progress = options or Options(), progress or Silence()
+    try:
+        return _run(case, options or Options(), progress or Silence(), _Halted(stop))
+    except Exception as error:
+        if isinstance(error, UserError) or (reason := shortage(error)) is None:
+            raise
+        raise RunFailedError(f"{reason}; what was finished is kept (fewer --jobs need less)") from error
+
+
+def _run(case: Case, options: Options, progress: Progress, halted: _Halted) -> Summary:
     options.workers.check()
     output = output_of(case, options)
     check_output(output, resume=options.resume, overwrite=options.overwrite)
-    halted = _Halted(stop)
     solver = solver_of(case, halted.is_set)
     rounds = rounds_of(solver, options.shard)
     with _store(output, solver, options) as store:

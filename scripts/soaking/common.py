@@ -26,6 +26,11 @@ class Soak:
         print(f"  {'ok  ' if true else 'FAIL'} {what}", flush=True)
         self.failed |= not true
 
+    def expect(self, what: str, true: bool) -> None:
+        """As `holds`, of something so frequent that only bad news is printed."""
+        if not true:
+            self.holds(what, False)
+
     def tbi(
         self, *arguments: str, limit: int | None = None, **environment: str
     ) -> subprocess.CompletedProcess[str]:

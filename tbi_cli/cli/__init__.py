@@ -19,13 +19,13 @@ from tbi_cli.cli.report import report
 from tbi_cli.cli.reproduce import reproduce
 from tbi_cli.cli.run import run, sweep
 from tbi_cli.cli.status import status
+from tbi_cli.cli.stopping import INTERRUPTED
+from tbi_cli.cli.streams import ReaderGoneError
 from tbi_cli.cli.submit import submit
 from tbi_cli.cli.validate import validate
 from tbi_cli.cli.verify import verify
 from tbi_cli.cli.version import common
 from tbi_cli.docstrings import docstring
-from tbi_cli.cli.stopping import INTERRUPTED
-from tbi_cli.cli.streams import ReaderGoneError
 from tbi_cli.errors import RunFailedError, UserError
 from tbi_cli.shortage import shortage
 

@@ -20,10 +20,9 @@ from tbi_cli.errors import UserError
 
 # Signs that tbi prints itself and that decompose into nothing: the micro sign, Greek letters, typography.
 _SPELLED = {
-    **{"µ": "u", "μ": "u", "λ": "lambda", "ξ": "xi", "π": "pi", "Δ": "Delta", "σ": "sigma", "ω": "omega"},
-    **{"×": "x", "·": "*", "−": "-", "–": "-", "—": "-", "°": " deg", "±": "+-", "≤": "<=", "≥": ">="},
-    **{"≈": "~", "√": "sqrt", "∞": "inf", "ø": "o", "Ø": "O", "ß": "ss", "…": "...", "→": "->"},
-    **{"“": '"', "”": '"', "„": '"', "‘": "'", "’": "'"},
+    **dict(zip("µμ×·−–—≈øØ“”„‘’", 'uux*---~oO"""\'\'', strict=True)),
+    **dict([("λ", "lambda"), ("ξ", "xi"), ("π", "pi"), ("Δ", "Delta"), ("σ", "sigma"), ("ω", "omega")]),
+    **dict([("°", " deg"), ("±", "+-"), ("≤", "<="), ("≥", ">="), ("√", "sqrt"), ("∞", "inf"), ("→", "->")]),
 }
 _ERRORS = "tbi-spell"
 
@@ -42,8 +41,8 @@ def set_up_streams() -> None:
     """Puts streams of ours in place of Python's, once, when the process starts."""
     _occupy_closed_descriptors()
     codecs.register_error(_ERRORS, _spell)
-    sys.stdout = sys.__stdout__ = _stream(_Output, sys.stdout)
-    sys.stderr = sys.__stderr__ = _stream(_Messages, sys.stderr)
+    sys.stdout = _stream(_Output, sys.stdout)
+    sys.stderr = _stream(_Messages, sys.stderr)
 
 
 def _occupy_closed_descriptors() -> None:
@@ -58,7 +57,7 @@ def _occupy_closed_descriptors() -> None:
 
 def let_go_of_output() -> None:
     """Else Python would try once more, when it ends, to write what could not be written."""
-    sys.stdout = sys.__stdout__ = None  # type: ignore[assignment,misc]
+    sys.stdout = None[assignment]
 
 
 def _stream(kind: type[io.TextIOWrapper], found: TextIO | None) -> Any:
@@ -72,7 +71,7 @@ def _stream(kind: type[io.TextIOWrapper], found: TextIO | None) -> Any:
 
 
 class _Output(io.TextIOWrapper):
-    """Standard output.  Where it cannot be written to it raises OutputError, and again whenever it is used."""
+    """Standard output.  It raises OutputError where it cannot be written to, and ever after."""
 
     _error: OutputError | None = None
 
@@ -102,7 +101,7 @@ def _output_error(error: OSError) -> OutputError:
 
 
 class _Messages(io.TextIOWrapper):
-    """Standard error.  There is nowhere to tell that it cannot be written to: what is written is lost then."""
+    """Standard error.  What cannot be written there is lost: nowhere could that be told."""
 
     _lost = False
 
@@ -133,7 +132,7 @@ class _Closed(io.RawIOBase):
 
 
 def _spell(error: UnicodeError) -> tuple[str | bytes, int]:
-    """A handler of encoding errors: u for a micro sign, e for e with an accent, \\u4e2d for what has no likeness."""
+    """Handles encoding errors: u for a micro sign, e for e with an accent, \\u4e2d where nothing is alike."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     return "".join(map(_likeness, error.object[error.start : error.end])), error.end

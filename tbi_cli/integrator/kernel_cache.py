@@ -4,7 +4,8 @@ The folder is `$TBI_CACHE_DIR`, else the user's cache folder, else one of the us
 folder: the first that can be written to, so a read-only installation or home does no harm.  Inside it, one
 folder holds what one state of the integrator's source, numba and Python made for one kind of processor: many
 machines may share it, and start at the same time.  A kernel is one file: the SHA-256 of an object file, and
-the object file.
+the object file.  The hash tells accidents, not malice: whoever can write to the folder runs code as this
+user.  So what another user could have written, but for the system's administrator, is not used.
 """
 
 from __future__ import annotations
@@ -12,19 +13,22 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
-import stat
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
+from tbi_cli.integrator import owned
 from tbi_cli.integrator.kernels import KINDS, Call, Function
 
 _DIGEST = 32  # bytes of SHA-256
+# Whoever holds the lock for longer than any compiler takes hangs, and is not waited for.
+_SECONDS_TO_COMPILE = 300.0
+_SECONDS_BETWEEN_LOOKS = 0.05
 
 
 def compile_kernels(say: Callable[[str], None], kinds: Iterable[str]) -> None:
@@ -35,71 +39,64 @@ def compile_kernels(say: Callable[[str], None], kinds: Iterable[str]) -> None:
     """
     say_once = lru_cache(say)
     for kind in kinds:
-        for name in KINDS[kind]:
-            _function(name, say_once)
+        _load(KINDS[kind], say_once)
 
 
 def call(name: str, *values: Any) -> Call:
     """A kernel with its arguments, compiled now if it never was."""
-    return Call(name, _function(name, lambda text: None), *values)
+    _load((name,), lambda text: None)
+    return Call(name, _functions[name], *values)
 
 
 _functions: dict[str, Function] = {}
 
 
-def _function(name: str, say: Callable[[str], None]) -> Function:
-    if name not in _functions:
-        from tbi_cli.integrator.native import Loaded
+def _load(names: Iterable[str], say: Callable[[str], None]) -> None:
+    from tbi_cli.integrator.native import Loaded
 
-        code, folder = _find(name)
-        _functions[name] = Loaded(name, code or _compiled(name, folder, say))
-    return _functions[name]
+    wanted = [name for name in names if name not in _functions]
+    codes, folder = _find(wanted)
+    if missing := [name for name in wanted if name not in codes]:
+        codes |= _compiled(missing, folder, say)
+    for name in wanted:
+        _functions[name] = Loaded(name, codes[name])
 
 
-def _find(name: str) -> tuple[bytes | None, Path | None]:
-    """The object file of a kernel that was compiled before, else the folder to keep it in if there is any."""
-    for folder in _folders():
-        with contextlib.suppress(OSError):
-            content = (folder / name).read_bytes()
+def _find(names: Sequence[str]) -> tuple[dict[str, bytes], Path | None]:
+    """The object files of kernels that were compiled before, and the folder to keep the others in, if any."""
+    codes: dict[str, bytes] = {}
+    for folder in _folders() if names else ():
+        for name in names if owned.is_ours(folder) else ():
+            content = owned.read(folder / name) or b""
             code = content[_DIGEST:]
             if code and hashlib.sha256(code).digest() == content[:_DIGEST]:
-                return code, folder
-        if _writable(folder):
-            return None, folder
-    return None, None
+                codes.setdefault(name, code)
+        if len(codes) == len(names) or _writable(folder):
+            return codes, folder
+    return codes, None
 
 
-def _compiled(name: str, folder: Path | None, say: Callable[[str], None]) -> bytes:
-    """Compiles a kernel, unless another process has just done so, and keeps it where that is possible."""
+def _compiled(names: Sequence[str], folder: Path | None, say: Callable[[str], None]) -> dict[str, bytes]:
+    """Compiles kernels, unless another process has just done so, and keeps them where that is possible."""
     with _only_one(folder):
-        code, _ = _find(name)
-        if code is not None:
-            return code
-        say("compiling kernels, once per machine (about ten seconds)")
-        from tbi_cli.integrator.machine_code import object_code
+        codes, _ = _find(names)
+        if missing := [name for name in names if name not in codes]:
+            say("compiling kernels, once per machine (about ten seconds)")
+            from tbi_cli.integrator.compiler import object_codes
 
-        code = object_code(name)
-        if folder is not None:
-            _keep(folder / name, hashlib.sha256(code).digest() + code)
-        return code
-
-
-def _keep(file: Path, content: bytes) -> None:
-    """Writes a file whole or not at all."""
-    begun = file.with_name(f"{file.name}.{uuid4().hex}")
-    try:
-        begun.write_bytes(content)
-        begun.replace(file)
-    except OSError:
-        with contextlib.suppress(OSError):
-            begun.unlink()
+            made = object_codes(missing)
+            if folder is not None:
+                for name, code in made.items():
+                    owned.write(folder / name, hashlib.sha256(code).digest() + code)
+            codes |= made
+        return codes
 
 
 def _writable(folder: Path) -> bool:
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        owned.make(folder)
         with tempfile.TemporaryFile(dir=folder):
-            return True
+            return owned.is_ours(folder)
     except OSError:
         return False
 
@@ -115,36 +112,29 @@ def _folders() -> Iterator[Path]:
 def _candidates() -> Iterator[Path]:
     if own := os.environ.get("TBI_CACHE_DIR"):
         yield Path(own)
-    if cache := os.environ.get("XDG_CACHE_HOME"):
-        yield Path(cache) / "tbi"
-    elif sys.platform == "win32" and (local := os.environ.get("LOCALAPPDATA")):
-        yield Path(local) / "tbi"
-    else:
-        with contextlib.suppress(RuntimeError):
-            yield Path.home() / ".cache" / "tbi"
+    if user := _users_cache():
+        yield user / "tbi"
     temporary = Path(tempfile.gettempdir()) / f"tbi-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
-    if _is_ours(temporary):
-        yield temporary
+    with contextlib.suppress(OSError):  # anyone can make that folder
+        owned.make(temporary)
+        if owned.is_ours(temporary):
+            yield temporary
 
 
-def _is_ours(folder: Path) -> bool:
-    """Whether a folder in a place where anyone can make one is ours alone: code is loaded from it."""
-    try:
-        with contextlib.suppress(FileExistsError):
-            folder.mkdir(mode=0o700)
-        found = folder.lstat()
-    except OSError:
-        return False
-    if not hasattr(os, "getuid"):
-        return True
-    return stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o022
+def _users_cache() -> Path | None:
+    """The user's folder for caches.  A path that is not absolute is none, as the XDG specification says."""
+    places = [os.environ.get("LOCALAPPDATA", "") if sys.platform == "win32" else ""]
+    places.insert(0, os.environ.get("XDG_CACHE_HOME", ""))
+    with contextlib.suppress(RuntimeError):
+        places.append(str(Path.home() / ".cache"))
+    return next((Path(place) for place in places if Path(place).is_absolute()), None)
 
 
 @lru_cache
 def fingerprint() -> str:
     """What a compiled kernel depends on besides the processor."""
     digest = hashlib.sha256()
-    for name in ("numba", "llvmlite", "numpy"):
+    for name in ("numba", "llvmlite", "numpy"):  # their settings are those of `compiler`
         digest.update(version(name).encode())
     digest.update(sys.version.encode())
     for source in sorted(Path(__file__).parent.glob("*.py")):
@@ -160,5 +150,18 @@ def _only_one(folder: Path | None) -> Iterator[None]:
             with contextlib.suppress(ImportError, OSError):
                 import fcntl
 
-                fcntl.flock(held.enter_context((folder / "lock").open("a")), fcntl.LOCK_EX)
+                lock = owned.open_lock(folder / "lock")
+                held.callback(os.close, lock)
+                end = time.monotonic() + _SECONDS_TO_COMPILE
+                while not _locked(fcntl, lock) and time.monotonic() < end:
+                    time.sleep(_SECONDS_BETWEEN_LOOKS)
         yield
+
+
+def _locked(fcntl: Any, lock: int) -> bool:
+    """Raises OSError where the file system has no locks."""
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
