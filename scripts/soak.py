@@ -1,5 +1,5 @@
 #!/usr/bin/env python
-"""Kills, full disks, clusters, nonsense, shortages: whatever happens, nothing is lost and the bits are the same.
+"""Kills, full disks, clusters, shortages: whatever happens, nothing is lost and the bits are the same.
 
     python scripts/soak.py                  all of it (most of an hour)
     python scripts/soak.py kills slurm      some of it: kills, disk, kernels, jobs, shards, dask,

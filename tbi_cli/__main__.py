@@ -19,11 +19,11 @@ def main() -> None:
     # for garbage takes a tenth of a second, and to do so once more at the end another two.
     gc.set_threshold(100_000)
     from tbi_cli.cli import run_command_line
-    from tbi_cli.cli.environment import ignore_settings_of_libraries
+    from tbi_cli.cli.environment import settle_environment
     from tbi_cli.cli.streams import let_go_of_output, set_up_streams
 
     set_up_streams()
-    ignore_settings_of_libraries()
+    settle_environment()
     signal(SIGINT, interrupt)
     code = run_command_line(sys.argv[1:])
     let_go_of_output()

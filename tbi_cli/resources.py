@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 from pathlib import Path
 
 _UNKNOWN = 2**62
@@ -11,11 +12,11 @@ _UNKNOWN = 2**62
 
 def available_cpus() -> int:
     """CPUs for this job: what Slurm gave it, else what affinity and control group leave of the machine."""
-    if (given := os.environ.get("SLURM_CPUS_PER_TASK", "")).isdigit() and int(given) > 0:
+    if re.fullmatch(r"0*[1-9][0-9]{0,3}", given := os.environ.get("SLURM_CPUS_PER_TASK", "")):
         return int(given)
     try:
         cpus = len(os.sched_getaffinity(0))
-    except AttributeError:
+    except (AttributeError, OSError):
         cpus = os.cpu_count() or 1
     with contextlib.suppress(OSError, ValueError):
         quota, period = Path("/sys/fs/cgroup/cpu.max").read_text().split()

@@ -114,14 +114,14 @@ def run(
     RunFailedError where memory, threads or open files run short.
     """
     try:
-        return _run(case, options or Options(), progress or Silence(), _Halted(stop))
+        return _solve(case, options or Options(), progress or Silence(), _Halted(stop))
     except Exception as error:
         if isinstance(error, UserError) or (reason := shortage(error)) is None:
             raise
         raise RunFailedError(f"{reason}; what was finished is kept (fewer --jobs need less)") from error
 
 
-def _run(case: Case, options: Options, progress: Progress, halted: _Halted) -> Summary:
+def _solve(case: Case, options: Options, progress: Progress, halted: _Halted) -> Summary:
     options.workers.check()
     output = output_of(case, options)
     check_output(output, resume=options.resume, overwrite=options.overwrite)

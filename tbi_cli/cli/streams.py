@@ -19,11 +19,31 @@ from typing import Any, TextIO
 from tbi_cli.errors import UserError
 
 # Signs that tbi prints itself and that decompose into nothing: the micro sign, Greek letters, typography.
-_SPELLED = {
-    **dict(zip("µμ×·−–—≈øØ“”„‘’", 'uux*---~oO"""\'\'', strict=True)),
-    **dict([("λ", "lambda"), ("ξ", "xi"), ("π", "pi"), ("Δ", "Delta"), ("σ", "sigma"), ("ω", "omega")]),
-    **dict([("°", " deg"), ("±", "+-"), ("≤", "<="), ("≥", ">="), ("√", "sqrt"), ("∞", "inf"), ("→", "->")]),
+_SIGNS = {
+    "u": "µμ",
+    "lambda": "λ",
+    "xi": "ξ",
+    "pi": "π",
+    "Delta": "Δ",
+    "sigma": "σ",
+    "omega": "ω",
+    "o": "ø",
+    "O": "Ø",
+    "x": "×",
+    "*": "·",
+    "-": "−–—",
+    "+-": "±",
+    "<=": "≤",
+    ">=": "≥",
+    "~": "≈",
+    "->": "→",
+    "sqrt": "√",
+    "inf": "∞",
+    " deg": "°",
+    '"': "“”„",
+    "'": "‘’",
 }
+_SPELLED = {sign: word for word, signs in _SIGNS.items() for sign in signs}
 _ERRORS = "tbi-spell"
 
 
@@ -57,7 +77,7 @@ def _occupy_closed_descriptors() -> None:
 
 def let_go_of_output() -> None:
     """Else Python would try once more, when it ends, to write what could not be written."""
-    sys.stdout = None[assignment]
+    sys.stdout = None
 
 
 def _stream(kind: type[io.TextIOWrapper], found: TextIO | None) -> Any:

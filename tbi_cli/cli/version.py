@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 import tbi_cli
+from tbi_cli.cli.environment import check_surroundings
 
 
 def _print_version(wanted: bool) -> None:
@@ -22,3 +23,4 @@ def common(
     ] = False,
 ) -> None:
     """What a train does to a bridge, and the bridge to the train, at every speed, mass and span."""
+    check_surroundings()
