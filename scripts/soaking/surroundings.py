@@ -222,7 +222,9 @@ def interrupts(soak: Soak) -> None:
         time.sleep(draw.choice((0.3, 1.0, 2.0)) * draw.random() + 0.15)
         os.killpg(process.pid, signal.SIGINT)
         out, err = process.communicate()
-        _check(soak, arguments, {}, subprocess.CompletedProcess(arguments, process.returncode, out, err))
+        # Before Python has a handler, the signal itself ends it, which a shell calls 130 as well.
+        code = 130 if process.returncode == -signal.SIGINT else process.returncode
+        _check(soak, arguments, {}, subprocess.CompletedProcess(arguments, code, out, err))
         codes[process.returncode] = codes.get(process.returncode, 0) + 1
     soak.holds(f"{tries} commands ended as documented: {codes}", not soak.failed)
 
