@@ -26,7 +26,7 @@ def available_cpus() -> int:
 
 
 def available_memory() -> int:
-    """Free memory in bytes, within the control group's limit; very large where nothing tells."""
+    """Free memory in bytes, within the limits of control group and process; very large where nothing tells."""
     free = _UNKNOWN
     with contextlib.suppress(OSError, ValueError, StopIteration):
         lines = Path("/proc/meminfo").read_text().splitlines()
@@ -36,4 +36,11 @@ def available_memory() -> int:
         used = int(Path("/sys/fs/cgroup/memory.current").read_text())
         if limit != "max":
             free = min(free, int(limit) - used)
+    with contextlib.suppress(ImportError, OSError, ValueError):
+        import resource  # not on Windows
+
+        allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
+        if allowed != resource.RLIM_INFINITY:
+            pages = int(Path("/proc/self/statm").read_text().split()[0])
+            free = min(free, max(0, allowed - pages * resource.getpagesize()))
     return free

@@ -21,10 +21,29 @@ _HEAD = """# Commands
 | code | meaning |
 | --- | --- |
 | 0 | done |
-| 1 | a scenario failed, or a verification fell short |
-| 2 | the input is wrong; the message on standard error says where, what was expected and what was found |
+| 1 | a scenario failed, or a verification fell short; or memory, threads or open files ran short |
+| 2 | the input is wrong; the message on standard error says where, what was expected and what was found. Or a file, or standard output, cannot be written (a full disk, a closed stream) |
 | 75 | stopped by SIGTERM or SIGUSR1: what was finished is kept, `--resume` goes on |
 | 130 | interrupted (Ctrl-C): what was finished is kept, `--resume` goes on |
+| 141 | what reads standard output has stopped reading, as `head` does; there is no message |
+
+Except for 2 where the input is wrong, what was finished is kept. What cannot be written to standard error is lost,
+and the work goes on. Where the encoding of a stream lacks a sign, one like it is written: u for the micro sign.
+
+## Environment
+
+| variable | is |
+| --- | --- |
+| `TBI_CACHE_DIR` | the folder for compiled kernels; see [Clusters](../CLUSTER.md#compiled-kernels) |
+| `XDG_CACHE_HOME`, `XDG_CONFIG_HOME` | the user's folders, where they are absolute paths; else they are ignored |
+| `TMPDIR` | the folder for temporary files |
+| `SLURM_CPUS_PER_TASK` | how many batches are solved at a time without `--jobs`, where it is a number from 1 to 9999 |
+| `SLURM_JOB_ID` and others of Slurm's | go into the results file, and tell whose lock a run has left behind |
+| `COLUMNS` | how wide help is printed |
+
+Settings of libraries are not taken from the environment, because they would change or end a run: those of numba, tqdm,
+Pillow (`NUMBA_*`, `TQDM_*`, `PILLOW_*`), `MPLBACKEND`, `SOURCE_DATE_EPOCH` (the pictures hold no dates), NumPy's choice
+of instructions, HDF5's of drivers, and how joblib starts workers.
 
 ## Shell completion
 
