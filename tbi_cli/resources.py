@@ -26,7 +26,7 @@ def available_cpus() -> int:
 
 
 def available_memory() -> int:
-    """Free memory in bytes, within the limits of control group and process; very large where nothing tells."""
+    """Free memory in bytes, within the limits of control group and process; very large if nothing tells."""
     free = _UNKNOWN
     with contextlib.suppress(OSError, ValueError, StopIteration):
         lines = Path("/proc/meminfo").read_text().splitlines()

@@ -51,7 +51,7 @@ of instructions, HDF5's of drivers, and how joblib starts workers.
 zsh, fish or PowerShell); start a new shell afterwards. `tbi --show-completion` prints the script instead, for
 a shell whose start-up files are kept elsewhere: `tbi --show-completion > FILE`, with FILE where the shell
 reads its completions from.
-"""
+"""  # noqa: E501 - rows of tables
 
 
 def page() -> str:

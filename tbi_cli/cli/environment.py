@@ -18,8 +18,8 @@ _IGNORED = (
 _IGNORED_BEGINNINGS = ("TQDM_", "PILLOW_")
 
 
-# The XDG specification has paths ignored that are not absolute; some libraries make folders of them here.
-_ABSOLUTE = ("XDG_CACHE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME")
+# Paths that are not absolute are none, as the XDG specification says; libraries make folders of them here.
+_ABSOLUTE = ("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME")
 # With less address space than this, NumPy's library for linear algebra waits for memory without end.
 _LEAST_MEMORY = 512 << 20  # bytes
 
