@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -82,10 +83,18 @@ def test_output_that_is_closed_or_left(
 
 
 def test_nothing_else_is_written_where_closed_streams_were(folder: Path) -> None:
-    """The results file is not standard output to a library written in C; and nobody needs to hear of it."""
+    """The work is done all the same, and no file that tbi opens is standard output to a library in C."""
     run = ("run", "paper", *FEW, "-o", "closed.h5")
     assert ended(folder, *run, out="closed", err="closed") == (2, b"", b"")
     assert content(folder / "closed.h5") == content(folder / "few.h5")
+    opening = (
+        "import os, sys; from tbi_cli.cli.streams import set_up_streams; set_up_streams();"
+        "os._exit(os.open('new', os.O_CREAT | os.O_WRONLY))"
+    )
+    opened = subprocess.run(
+        [sys.executable, "-c", opening], cwd=folder, preexec_fn=lambda: os.closerange(0, 3), check=False
+    )
+    assert opened.returncode >= 3, "the descriptor of the first file"
 
 
 @pytest.mark.parametrize("kind", ["full", "closed", "left"])
