@@ -1,12 +1,9 @@
-"""Speeds that a sweep grows by itself: near resonance, and where a table's channel bends sharply.
+"""Speeds that a sweep grows by itself: at resonances, at peaks, and where a channel bends sharply.
 
 The axis holds all speeds that there may be, `per_step` in each of its steps; which of them are solved is
-found out in rounds.  The first takes the steps themselves and, for every train and bridge of the grid, the
-speed nearest to each v = f_j D/i: mode j of a beam, with the i-th part of its period for the way D after
-which the train repeats itself.  A round later those speeds come in between neighbours of which the middle
-one is off the straight line through the others by more than the tolerance.  What happens in a step depends
-on the solutions in it and at the four ends of it and its neighbours alone, so every shard, and every run that
-is resumed, grows the same speeds.
+found out in rounds, by a search in each step, see `tbi_cli.step_search`.  A search knows the solutions alone
+that it has asked for itself, in its step and the two beside it, so every shard, and every run that is
+resumed, grows the same speeds.
 """
 
 from __future__ import annotations
@@ -18,86 +15,105 @@ from tbi_cli.errors import UserError
 from tbi_cli.plan import costs_of
 from tbi_cli.shards import Shard
 from tbi_cli.solve import Solver
+from tbi_cli.step_search import StepSearch
 from tbi_cli.store.records import DONE, BatchResult
-from tbi_cli.system.resonance import resonant_speeds
+from tbi_cli.system.resonance import resonances
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-# How much more a channel may be off the straight line in a dip, where no peak is to be settled.
-_IN_DIPS = 5.0
 
 
 class Refiner:
     """Decides, round by round, which scenarios of a grid with a refined velocity are solved.
 
-    `own` (n,) are the scenarios of this run's shard, in whole steps of the axis; a shard solves the ends of
-    the steps beside its own as well, but leaves them to the others to keep.
+    `own` (n,) are the scenarios of this run's shard, in whole steps of the axis.  A shard searches the steps
+    beside its own as well, whose searches may reach into its own, but leaves theirs to the others to keep.
     """
 
     def __init__(self, solver: Solver, shard: Shard | None = None) -> None:
         axes = solver.scenarios.axes
-        self._axis = next(k for k, axis in enumerate(axes) if axis.refinement is not None)
-        axis = axes[self._axis]
+        place = next(k for k, axis in enumerate(axes) if axis.refinement is not None)
+        axis = axes[place]
         assert axis.refinement is not None
         self.refinement = axis.refinement
         self._solver = solver
-        self._shape = solver.scenarios.shape
         self._speeds = np.array(axis.values)
         self._step = self.refinement.per_step
         self._columns = _columns(solver, self.refinement.channels)
-        size = len(self._speeds)
-        self._cells = (size - 1) // self._step
-        # Scenarios with the velocity first: (speeds, others); the peaks: (channels, speeds, others).
-        grid = np.arange(len(solver.scenarios)).reshape(self._shape)
-        self._index = np.moveaxis(grid, self._axis, 0).reshape(size, -1)
-        self._peaks = np.full((len(self._columns), *self._index.shape), np.nan)
-        self._known = np.zeros(size, dtype=bool)
+        self._cells = (len(self._speeds) - 1) // self._step
+        # A scenario's number is (outer * speeds + speed) * inner + the place on the axes behind.
+        shape = solver.scenarios.shape
+        self._outer, self._inner = int(np.prod(shape[:place])), int(np.prod(shape[place + 1 :]))
+        # The peaks (channels, scenarios at one speed) at each speed that was solved.
+        self._peaks: dict[int, Array] = {}
+        self._asked: set[int] = set()
         self._mine = self._cells_of(shard)
-        cell = np.minimum(np.arange(size) // self._step, self._cells - 1)
-        self.own = self._of_speeds(self._mine[cell])
+        cell = np.minimum(np.arange(len(self._speeds)) // self._step, self._cells - 1)
+        self.own = self._of_speeds(np.flatnonzero(self._mine[cell]))
+        near = self._mine.copy()
+        near[1:] |= self._mine[:-1]
+        near[:-1] |= self._mine[1:]
+        self._searched = np.flatnonzero(near).tolist()
+        self._searches: list[StepSearch] = []
 
-    def _of_speeds(self, speeds: Mask) -> Mask:
+    def _of_speeds(self, speeds: list[int] | NDArray[np.int64]) -> Mask:
         """The scenarios (n,) at some speeds."""
-        mask = np.zeros(self._index.size, dtype=bool)
-        mask[self._index[speeds]] = True
-        return mask
+        mask = np.zeros((self._outer, len(self._speeds), self._inner), dtype=bool)
+        mask[:, speeds] = True
+        return mask.ravel()
+
+    def _numbers(self, speed: int) -> NDArray[np.int64]:
+        """The scenarios at one speed, in the order of their peaks."""
+        outer, inner = np.arange(self._outer)[:, None], np.arange(self._inner)
+        return np.asarray(((outer * len(self._speeds) + speed) * self._inner + inner).ravel())
 
     def _cells_of(self, shard: Shard | None) -> Mask:
         """The steps of the axis that are a shard's: neighbours, so many that all shards cost alike."""
         if shard is None:
             return np.ones(self._cells, dtype=bool)
-        ends = self._index[:: self._step]
+        ends = np.array([self._numbers(cell * self._step) for cell in range(self._cells)])
         costs = costs_of(self._solver.scenarios, ends.ravel(), 0, None)
-        steps = np.asarray(costs.steps[ends].sum(axis=1)[:-1], dtype=np.int64)
+        steps = np.asarray(costs.steps[ends].sum(axis=1), dtype=np.int64)
         before = np.cumsum(steps) - steps
         place = shard.of * (2 * before + steps) // max(2 * int(np.sum(steps)), 1)
         return np.asarray(np.minimum(place, shard.of - 1) + 1 == shard.number)
 
     def first(self) -> Mask:
         """The scenarios (n,) of the first round."""
-        speeds = np.zeros(len(self._speeds), dtype=bool)
-        for cell in np.flatnonzero(self._mine).tolist():
-            last = min(cell + 2, self._cells)
-            speeds[max(cell - 1, 0) * self._step : last * self._step + 1 : self._step] = True
-        inside = np.repeat(self._mine, self._step)
-        for value in self._resonances():
-            nearest = round(float((value - self._speeds[0]) / (self._speeds[1] - self._speeds[0])))
-            if 0 <= nearest < len(inside) and inside[nearest]:
-                speeds[nearest] = True
-        self._known |= speeds
-        return self._of_speeds(speeds)
+        resonant = np.array(self._resonances(), dtype=np.int64)
+        self._searches = [StepSearch(cell, self._speeds, self.refinement, resonant) for cell in self._searched]
+        return self._next([search.places for search in self._searches])
 
-    def _resonances(self) -> list[float]:
-        """Speeds of resonance of all trains and bridges of the grid, in it."""
-        found: set[float] = set()
+    def _resonances(self) -> list[int]:
+        """Places of the speeds of resonance of all trains and bridges of the grid, with one to either side.
+
+        They are in the coarsest halving of the step that is finer than a quarter of their peaks' width, so
+        that trains and bridges that are much alike share them.
+        """
+        slowest, fastest = float(self._speeds[0]), float(self._speeds[-1])
+        found: set[int] = set()
         seen: set[tuple[float, ...]] = set()
-        for index in self._index[0].tolist():
-            key = self._solver.scenarios.model_key(index)
-            if key not in seen:
-                seen.add(key)
-                found |= {speed for *_, speed in resonant_speeds(self._solver.scenarios.case_of(index))}
+        for number in self._numbers(0).tolist():
+            key = self._solver.scenarios.model_key(number)
+            if key in seen:
+                continue
+            seen.add(key)
+            for resonance in resonances(self._solver.scenarios.case_of(number), slowest, fastest):
+                width = resonance.width * resonance.speed
+                for speed in (resonance.speed - width, resonance.speed, resonance.speed + width):
+                    found |= self._snapped(speed, width / 4)
         return sorted(found)
+
+    def _snapped(self, speed: float, apart: float) -> set[int]:
+        """The place nearest to a speed in the coarsest halving of the steps into less than `apart`."""
+        if not self._speeds[0] <= speed <= self._speeds[-1]:
+            return set()
+        after = int(np.clip(np.searchsorted(self._speeds, speed), 1, len(self._speeds) - 1))
+        start = (after - 1) // self._step * self._step
+        low, high = float(self._speeds[start]), float(self._speeds[start + self._step])
+        halvings = int(np.clip(np.ceil(np.log2((high - low) / apart)), 0, self._step.bit_length() - 1))
+        parts = 2**halvings
+        return {start + round((speed - low) / (high - low) * parts) * (self._step // parts)}
 
     def learn(self, result: BatchResult) -> None:
         """Takes in what was solved."""
@@ -106,11 +122,16 @@ class Refiner:
 
     def learn_peaks(self, indices: NDArray[np.int64], peaks: Array) -> None:
         """Takes in the peaks (scenarios, channels) of scenarios that were solved before."""
-        place = np.unravel_index(indices, self._shape)
-        others = [place[k] for k in range(len(place)) if k != self._axis]
-        sizes = [self._shape[k] for k in range(len(place)) if k != self._axis]
-        other = np.ravel_multi_index(others, sizes) if others else np.zeros(len(indices), dtype=np.int64)
-        self._peaks[:, place[self._axis], other] = peaks.T
+        speeds = indices // self._inner % len(self._speeds)
+        places = indices // (self._inner * len(self._speeds)) * self._inner + indices % self._inner
+        for speed in np.unique(speeds).tolist():
+            here = speeds == speed
+            self._row(speed)[:, places[here]] = peaks[here].T
+
+    def _row(self, speed: int) -> Array:
+        """The peaks at one speed; NaN where nothing was solved, or it failed."""
+        nothing = np.full((len(self._columns), self._outer * self._inner), np.nan)
+        return self._peaks.setdefault(speed, nothing)
 
     @property
     def columns(self) -> list[int]:
@@ -119,43 +140,22 @@ class Refiner:
 
     def more(self) -> Mask:
         """The scenarios (n,) of the next round: none once every peak is settled."""
-        speeds = np.zeros(len(self._speeds), dtype=bool)
-        for cell in np.flatnonzero(self._mine).tolist():
-            speeds[self._between(cell)] = True
-        self._known |= speeds
-        return self._of_speeds(speeds)
+        return self._next([search.more(self._peaks) for search in self._searches])
 
-    def _between(self, cell: int) -> list[int]:
-        """Speeds to come into one step of the axis."""
-        a, b = cell * self._step, (cell + 1) * self._step
-        before, behind = max(a - self._step, 0), min(b + self._step, len(self._speeds) - 1)
-        around = np.fmax.reduce(self._peaks[:, [before, a, b, behind]], axis=1)
-        places = [a, *(a + 1 + np.flatnonzero(self._known[a + 1 : b])).tolist(), b]
-        bent: set[tuple[int, int]] = set()
-        if len(places) == 2:
-            # Nothing in between yet: the ends with the next steps' other ends.
-            if before < a and self._bends(before, a, b, around):
-                bent.add((a, b))
-            if b < behind and self._bends(a, b, behind, around):
-                bent.add((a, b))
-        for left, middle, right in zip(places, places[1:], places[2:], strict=False):
-            if self._bends(left, middle, right, around):
-                bent |= {(left, middle), (middle, right)}
-        return [(left + right) // 2 for left, right in bent if right - left > 1]
+    def _next(self, asked: list[list[int]]) -> Mask:
+        new = {place for places in asked for place in places} - self._asked
+        self._asked |= new
+        for place in new:
+            self._row(place)
+        return self._of_speeds(sorted(new))
 
-    def _bends(self, left: int, middle: int, right: int, around: Array) -> bool:
-        """Whether any channel of any line is off the straight line between two speeds at a third.
-
-        It may be off by the tolerance, relative to the largest value `around` (channels, others) and here;
-        by more where it is below the line, a dip between peaks.
-        """
-        share = (middle - left) / (right - left)
-        low, mid, high = (self._peaks[:, place] for place in (left, middle, right))
-        off = mid - ((1 - share) * low + share * high)
-        size = self.refinement.tolerance * np.fmax(np.fmax(np.fmax(low, mid), high), around)
-        # A scenario that failed is NaN and bends nothing.
-        with np.errstate(invalid="ignore"):
-            return bool(np.any((off > size) | (off < -_IN_DIPS * size)))
+    def unsettled(self) -> Mask:
+        """The scenarios (n,) with a peak that may still change by more than the tolerance."""
+        found = np.zeros(len(self.own), dtype=bool)
+        for search in self._searches:
+            for place, which in search.unsettled.items():
+                found[self._numbers(place)[which]] = True
+        return found & self.own
 
 
 def refiner_of(solver: object, shard: Shard | None = None) -> Refiner | None:

@@ -12,7 +12,7 @@ from tbi_cli.case.part import Part
 from tbi_cli.case.settings import ChannelNames
 
 # Of a power of two, so that the speeds of the step are the same with refinement and without.
-SPEEDS_IN_A_STEP = 32
+SPEEDS_IN_A_STEP = 1024
 REFINE_KEYS = ("refine", "tolerance", "channels")
 
 
