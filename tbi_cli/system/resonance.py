@@ -19,7 +19,7 @@ _MOST_PARTS = 6
 # The finest part of a spectrum's own period, the whole length of the train, at which it is looked at.
 _SAMPLES = 8
 # How strong a wave of the spectrum is, and what its resonance would come to beside the strongest.
-_STRONG, _FELT = 0.25, 0.1
+_STRONG, _FELT = 0.15, 0.1
 _PIECE = 1 << 20  # numbers at once
 
 
