@@ -81,7 +81,9 @@ class Refiner:
     def first(self) -> Mask:
         """The scenarios (n,) of the first round."""
         resonant = np.array(self._resonances(), dtype=np.int64)
-        self._searches = [StepSearch(cell, self._speeds, self.refinement, resonant) for cell in self._searched]
+        self._searches = [
+            StepSearch(cell, self._speeds, self.refinement, resonant) for cell in self._searched
+        ]
         return self._next([search.places for search in self._searches])
 
     def _resonances(self) -> list[int]:

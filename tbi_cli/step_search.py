@@ -27,9 +27,7 @@ class StepSearch:
     three.  A place is an index of `speeds`, `per_step` in each step.
     """
 
-    def __init__(
-        self, cell: int, speeds: Array, refinement: Refinement, resonant: NDArray[np.int64]
-    ) -> None:
+    def __init__(self, cell: int, speeds: Array, refinement: Refinement, resonant: NDArray[np.int64]) -> None:
         step, last = refinement.per_step, len(speeds) - 1
         self._low, self._high = cell * step, (cell + 1) * step
         ends = range(max(self._low - step, 0), min(self._high + step, last) + 1, step)

@@ -11,7 +11,7 @@ from itertools import pairwise
 from tbi_cli.case.fields import FACTOR, BadValueError, Numeric, Quantity
 from tbi_cli.case.messages import Place, plain_number, quoted, suggestion
 from tbi_cli.case.mixed_units import mixture
-from tbi_cli.case.refinement import REFINE_KEYS, Refinement, read_refine
+from tbi_cli.case.refinement import LEAST_PARTS, REFINE_KEYS, Refinement, read_refine, refined_values
 from tbi_cli.case.spaced import by_ratio, by_steps
 from tbi_cli.case.units import exact_si, has_unit
 from tbi_cli.case.yaml12 import Items, Mapping, Node, entry_place, node_place, plain
@@ -116,8 +116,18 @@ class Range:
             first.setdefault(value, number)
         return tuple(values)
 
-    def _stepped(self, node: Mapping, parts: int = 1) -> tuple[tuple[float, ...], Given]:
-        """The values by steps, each of which is in so many equal parts."""
+    def _stepped(self, node: Mapping) -> tuple[tuple[float, ...], Given]:
+        (first, last, step), intervals, given = self._steps(node)
+        values = by_steps(first, step, intervals + 1)
+        if abs(last - first - intervals * step) > _ON_THE_GRID * abs(step):
+            unit = self.leaf.dimension.unit if isinstance(self.leaf, Quantity) else "1"
+            ends = [plain_number(end) + ("" if unit == "1" else f" {unit}") for end in (float(last), values[-1])]
+            text = f"{ends[0]} is not on a step; the last value is {ends[1]}"
+            self.warnings.append(Fault(entry_place(node.entries["to"]), text, "to"))
+        return self._checked(values, entry_place(node.entries["step"]), "step"), given
+
+    def _steps(self, node: Mapping) -> tuple[tuple[Fraction, Fraction, Fraction], int, Given]:
+        """From, to and step; how many steps there are; and how all is given."""
         dimension, example = (
             (self.leaf.dimension, self.leaf.example) if isinstance(self.leaf, Quantity) else (FACTOR, "1")
         )
@@ -133,10 +143,10 @@ class Range:
             text = f"expected a {direction} step to go from {ends}, got {float(step):.6g}"
             raise AxisError(Fault(where, text, "step"))
         # `to` belongs to the axis when it lies on the grid, were it not for the rounding of what was written.
-        intervals = math.floor((last - first) / step + _ON_THE_GRID) * parts
+        intervals = math.floor((last - first) / step + _ON_THE_GRID)
         if intervals + 1 > self.most:
             raise AxisError(Fault(where, self._too_many(intervals + 1), "step"))
-        return self._checked(by_steps(first, step / parts, intervals + 1), where, "step"), given
+        return (first, last, step), intervals, given
 
     def _refined(self, node: Mapping) -> tuple[tuple[float, ...], Given]:
         """All values that {from, to, step, refine, tolerance, channels} may come to have."""
@@ -150,11 +160,14 @@ class Range:
         refinement, problems = read_refine(asked)
         if refinement is None:
             raise AxisError(*(Fault(entry_place(node.entries[key]), text, key) for key, text in problems))
-        object.__setattr__(self, "refinement", refinement)
-        values, given = self._stepped(node, refinement.per_step)
-        if len(values) < 2 or values[1] < values[0]:
-            where = entry_place(node.entries["step"])
+        (first, last, step), intervals, given = self._steps(node)
+        where = entry_place(node.entries["step"])
+        if intervals < 1 or step < 0:
             raise AxisError(Fault(where, "expected a positive step, smaller than from to", "step"))
+        if (intervals + 1) * LEAST_PARTS + 1 > self.most:
+            raise AxisError(Fault(where, self._too_many(intervals * LEAST_PARTS + 1), "step"))
+        values, refinement = refined_values((first, last), step, refinement, self.most)
+        object.__setattr__(self, "refinement", refinement)
         shown = [] if refinement.channels is None else [("channels", list(refinement.channels))]
         return values, given | {"refine": "resonance", "tolerance": refinement.tolerance, **dict(shown)}
 
