@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tbi_cli.case import Axis, Case, Consist
+from tbi_cli.case.refinement import LEAST_PARTS
+from tbi_cli.refine import usual_scenarios
 from tbi_cli.resources import available_cpus
 from tbi_cli.runner import check_memory, plan_of, results_layout, rounds_of
 from tbi_cli.solve import Solver
@@ -23,19 +25,23 @@ def estimate(case: Case) -> list[str]:
     solver = solver_of(case)
     parts = solver.parts
     layouts = [results_layout(part, {}) for part in parts.values()]
-    check_memory(layouts)
+    check_memory(list(parts.values()), layouts)
     rounds_of(solver)
-    scenarios = sum(layout.size for layout in layouts)
-    weights = np.concatenate([_weights(part, len(parts)) for part in parts.values()])
+    usual = [usual_scenarios(part) for part in parts.values()]
+    scenarios = sum(int(mask.sum()) for mask in usual)
+    weights = np.concatenate(
+        [_weights(part, mask, len(parts)) for part, mask in zip(parts.values(), usual, strict=True)]
+    )
     plan = plan_of(solver, weights > 0)
     steps, histories = (round(float(counts @ weights)) for counts in (plan.steps, plan.sizes))
     sizes = [np.full(len(part.scenarios), _coordinates(part)) for part in parts.values()]
     seconds = float(plan.steps * np.concatenate(sizes) @ weights) * _SECONDS_PER_STEP
     refined = any(axis.refinement is not None for part in parts.values() for axis in part.scenarios.axes)
-    most = "at most " if refined else ""
-    about = "about " if np.any(weights > 1) else ""
+    most = "at most about " if refined else ""
+    about = "about " if np.any(weights > 1) and not refined else ""
     tables = sum(
-        8 * layout.size * (len(TABLES) * len(layout.channels) + len(layout.daf) + 1) for layout in layouts
+        8 * int(mask.sum()) * (len(TABLES) * len(layout.channels) + len(layout.daf) + 1)
+        for mask, layout in zip(usual, layouts, strict=True)
     )
     stored = any(layout.history_channels for layout in layouts)
     cpus = available_cpus()
@@ -53,25 +59,25 @@ def estimate(case: Case) -> list[str]:
     ]
 
 
-def _weights(solver: Solver, of: int) -> NDArray[np.float64]:
+def _weights(solver: Solver, usual: NDArray[np.bool_], of: int) -> NDArray[np.float64]:
     """How many scenarios each scenario of a grid stands for: 1, or of a large grid 0 or a few, drawn by lot.
 
-    of: how many grids there are besides, which share the time.
+    usual: those that are thought of (n,); of: how many grids there are besides, which share the time.
     """
     scenarios = solver.scenarios
-    count = len(scenarios)
+    count = int(usual.sum())
     train = solver.case.train
     vehicles = sum(group.count for group in train.consist) if isinstance(train, Consist) else 1
     models = _MOST_VEHICLES // (vehicles * of)
     wanted = max(_MOST_SCENARIOS // of if scenarios.model_count <= models else models, 1)
     if count <= wanted:
-        return np.ones(count)
+        return usual.astype(np.float64)
     # One in each stretch of as many, the first and the last among them.
     ends = np.linspace(0, count, wanted + 1)
     draws = np.random.default_rng(0).uniform(ends[:-1], ends[1:]).astype(np.int64)
     draws[0], draws[-1] = 0, count - 1
-    weights = np.zeros(count)
-    np.add.at(weights, draws, count / wanted)
+    weights = np.zeros(len(scenarios))
+    np.add.at(weights, np.flatnonzero(usual)[draws], count / wanted)
     return weights
 
 
@@ -85,7 +91,8 @@ def _described(solver: Solver) -> list[str]:
     for axis in solver.scenarios.axes:
         count = f"{len(axis)} value{'s' if len(axis) > 1 else ''}"
         if axis.refinement is not None:
-            count = f"{(len(axis) - 1) // axis.refinement.per_step + 1} to {len(axis)} values"
+            steps = (len(axis) - 1) // axis.refinement.per_step
+            count = f"{steps + 1} to about {steps * LEAST_PARTS + 1} values"
         ends = "; ".join(_ends(member) for member in axis.members or (axis,))
         lines.append(f"axis       {axis.name}: {count}, {ends}")
     return lines

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tbi_cli.case.refinement import LEAST_PARTS
 from tbi_cli.errors import UserError
 from tbi_cli.plan import costs_of
 from tbi_cli.shards import Shard
@@ -166,6 +167,20 @@ def refiner_of(solver: object, shard: Shard | None = None) -> Refiner | None:
         return None
     refined = any(axis.refinement is not None for axis in solver.scenarios.axes)
     return Refiner(solver, shard) if refined else None
+
+
+def usual_scenarios(solver: Solver) -> Mask:
+    """As many scenarios (n,) of a grid as are usually solved at most.
+
+    Of a refined grid these are the ones down to which lines are drawn; peaks add a few.
+    """
+    scenarios = solver.scenarios
+    mask = np.ones(scenarios.shape, dtype=bool)
+    for place, axis in enumerate(scenarios.axes):
+        if axis.refinement is not None:
+            kept = np.arange(len(axis)) % (axis.refinement.per_step // LEAST_PARTS) == 0
+            mask = mask & kept.reshape(-1, *[1] * (len(scenarios.shape) - place - 1))
+    return mask.ravel()
 
 
 def _columns(solver: Solver, names: tuple[str, ...] | None) -> list[int]:

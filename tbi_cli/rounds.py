@@ -70,8 +70,16 @@ class Rounds:
     def learn_stored(self, stores: Mapping[str, ResultsStore]) -> None:
         """Takes in what was solved before."""
         for name, refiner in self._refiners.items():
-            known = np.flatnonzero(stores[name].done())
-            if len(known):
-                with stores[name].results() as results:
-                    peaks = results.tables(["peak"])["peak"][refiner.columns]
-                refiner.learn_peaks(known, peaks[:, known].T)
+            if stores[name].done().any():
+                refiner.learn_peaks(*stores[name].solved_peaks(refiner.columns))
+
+    def note_unsettled(self, stores: Mapping[str, ResultsStore]) -> None:
+        """Keeps in the stores of refined grids which of their peaks may still change."""
+        for name, refiner in self._refiners.items():
+            stores[name].note_unsettled(np.flatnonzero(refiner.unsettled()))
+
+    def unsettled(self) -> Mask:
+        """The scenarios (n,) with a peak that may still change by more than the tolerance."""
+        return self._joined(
+            Refiner.unsettled, {name: np.zeros(len(own), dtype=bool) for name, own in self._others.items()}
+        )

@@ -16,6 +16,7 @@ from tbi_cli.case import Axis, Case
 from tbi_cli.errors import RunFailedError, UserError
 from tbi_cli.integrator.kernel_cache import compile_kernels
 from tbi_cli.plan import Plan, PlanError, joined, make_plan
+from tbi_cli.refine import usual_scenarios
 from tbi_cli.resources import available_memory
 from tbi_cli.responses import Channel
 from tbi_cli.rounds import Mask, Rounds
@@ -76,7 +77,10 @@ class Silence:
 
 @dataclass(frozen=True)
 class Summary:
-    """How a run went: scenarios solved now, solved before, failed, and not reached because it was stopped."""
+    """How a run went: scenarios solved now, solved before, failed, and not reached because it was stopped.
+
+    `unsettled` describes the scenarios at which a refined sweep did not reach its tolerance.
+    """
 
     path: Path
     solved: int
@@ -86,6 +90,7 @@ class Summary:
     steps: int
     seconds: float
     messages: tuple[str, ...]
+    unsettled: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -132,7 +137,8 @@ def _solve(case: Case, options: Options, progress: Progress, halted: _Halted) ->
         rounds.learn_stored(store.parts)
         run.all_of(rounds)
         path = store.finish() if not run.left else store.path
-    return run.summary(path)
+        unsettled = [] if run.left else np.flatnonzero(rounds.unsettled()).tolist()
+    return run.summary(path, [solver.describe(index) for index in unsettled])
 
 
 def rounds_of(solver: AnySolver, shard: Shard | None = None) -> Rounds:
@@ -171,6 +177,7 @@ class _Run:
             if self.left:
                 return
             wanted = rounds.more()
+            rounds.note_unsettled(self.store.parts)
             if wanted.any() and self._halted.is_set():
                 self.left = int(np.sum(wanted & rounds.own))
                 return
@@ -209,7 +216,7 @@ class _Run:
         self._solved += solved
         self.left = int(kept.sum()) - before - solved
 
-    def summary(self, path: Path) -> Summary:
+    def summary(self, path: Path, unsettled: Sequence[str]) -> Summary:
         """How the run went."""
         return Summary(
             path=path,
@@ -220,6 +227,7 @@ class _Run:
             steps=self._steps,
             seconds=self._seconds,
             messages=tuple(self._messages),
+            unsettled=tuple(unsettled),
         )
 
 
@@ -248,13 +256,13 @@ def _store(output: Path, solver: AnySolver, options: Options) -> ResultsStore | 
     origin = origin_of(solver.case, options.command, options.shard)
     if isinstance(solver, Solver):
         layout = results_layout(solver, origin)
-        check_memory([layout])
+        check_memory([solver], [layout])
         return ResultsStore(output, layout, resume=options.resume, overwrite=options.overwrite)
     layouts = {}
     for name, part in solver.parts.items():
         own = {"title": part.case.title, "case": part.case.to_yaml(), "case_sha256": part.case.sha256}
         layouts[name] = results_layout(part, {**origin, **own})
-    check_memory(list(layouts.values()))
+    check_memory(list(solver.parts.values()), list(layouts.values()))
     return StudiesStore(output, layouts, origin, resume=options.resume, overwrite=options.overwrite)
 
 
@@ -309,12 +317,17 @@ def _dim(axis: Axis) -> Dim:
     return Dim(axis.name, np.array(axis.values, dtype=float), axis.units, axis.long_name)
 
 
-def check_memory(layouts: Sequence[Layout]) -> None:
-    """Raises RunError if the tables of grids do not fit into half of the memory that is free."""
+def check_memory(parts: Sequence[Solver], layouts: Sequence[Layout]) -> None:
+    """Raises RunError if the tables of grids do not fit into half of the memory that is free.
+
+    Of a refined grid the tables hold the scenarios that are solved, see `usual_scenarios`.
+    """
+    sizes = [int(usual_scenarios(part).sum()) for part in parts]
     need = sum(
-        8 * layout.size * (len(TABLES) * len(layout.channels) + len(layout.daf) + 4) for layout in layouts
+        8 * size * (len(TABLES) * len(layout.channels) + len(layout.daf) + 4)
+        for size, layout in zip(sizes, layouts, strict=True)
     )
-    scenarios = sum(layout.size for layout in layouts)
+    scenarios = sum(sizes)
     free = available_memory()
     if need > free / 2:
         raise RunError(

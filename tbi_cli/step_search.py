@@ -7,14 +7,12 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.case.refinement import Refinement
+from tbi_cli.case.refinement import LEAST_PARTS, Refinement
 
 Array = NDArray[np.float64]
 
 # How much more a channel may be off the straight line in a dip, where no peak is to be settled.
 _IN_DIPS = 5.0
-# Down to which part of a step lines are drawn closer; peaks are settled beyond it.
-_DRAWN = 32
 # A peak is the highest for so many of the finest distances to either side: of the wiggles that sampling
 # leaves on a curve, the others are left alone.
 _HIGHEST_AMONG = 8
@@ -36,7 +34,8 @@ class StepSearch:
         self.places: list[int] = sorted({*ends, *inside.tolist()})
         self._ends = list(ends)
         self._speeds, self._tolerance = speeds, refinement.tolerance
-        self._drawn = step // _DRAWN
+        # Down to this distance lines are drawn closer; peaks are settled beyond it.
+        self._drawn = step // LEAST_PARTS
         # Between which places it follows peaks: in its step, and wherever the peaks there have led to.
         self._follows = (self._low, self._high)
         #: Which scenarios have a peak that is not settled yet, at which places.

@@ -121,7 +121,9 @@ class Range:
         values = by_steps(first, step, intervals + 1)
         if abs(last - first - intervals * step) > _ON_THE_GRID * abs(step):
             unit = self.leaf.dimension.unit if isinstance(self.leaf, Quantity) else "1"
-            ends = [plain_number(end) + ("" if unit == "1" else f" {unit}") for end in (float(last), values[-1])]
+            ends = [
+                plain_number(end) + ("" if unit == "1" else f" {unit}") for end in (float(last), values[-1])
+            ]
             text = f"{ends[0]} is not on a step; the last value is {ends[1]}"
             self.warnings.append(Fault(entry_place(node.entries["to"]), text, "to"))
         return self._checked(values, entry_place(node.entries["step"]), "step"), given

@@ -14,7 +14,7 @@ from tbi_cli.case.part import Part
 from tbi_cli.case.settings import ChannelNames
 from tbi_cli.case.spaced import by_steps
 
-#: Into so many parts a step is cut at least. Of a power of two, so that halving meets whole parts.
+#: Into so many parts a step is cut at least, and for peaks into more; a power of two, to be halved.
 LEAST_PARTS = 32
 # The narrowest peaks that are thought of, by their damping ratio, and how many speeds an axis may have so
 # that they are settled.

@@ -33,6 +33,7 @@ from tbi_cli.store import (
 )
 from tbi_cli.store.lock import LOCK_FILE, read_holder
 from tbi_cli.store.parts import parts_folder
+from tbi_cli.store.picked import numbers_in, refined_axis
 from tbi_cli.studies import solver_of
 
 # The pace of a run is that of its latest batches: it may have stood still before, or had other neighbours.
@@ -183,7 +184,12 @@ class _Grids:
     def status(self, name: str, file: _Opened) -> FileStatus:
         """How far one grid of a file is."""
         results, scenarios = file.results.get(name), self._parts[name].scenarios
-        status = np.zeros(len(scenarios), dtype=np.int8) if results is None else results.status.ravel()
+        status = np.zeros(len(scenarios), dtype=np.int8)
+        whole = False
+        if results is not None:
+            axes = [np.array(axis.values) for axis in scenarios.axes]
+            status[numbers_in(results.dims, axes) if axes else [0]] = results.status.ravel()
+            whole = bool(results.status.all()) and refined_axis(results.layout) is None
         attributes = {} if results is None else results.attributes
         steps, seconds = float(attributes.get("case_steps", 0)), float(attributes.get("solve_seconds", 0))
         known = FileStatus(
@@ -195,7 +201,7 @@ class _Grids:
             state="finished",
             seconds_per_step=seconds / steps if steps else None,
         )
-        if results is not None and results.finished and (file.shard is not None or status.all()):
+        if results is not None and results.finished and (file.shard is not None or whole):
             return known
         own, growing = self._own(name, file.shard)
         missing = np.flatnonzero(own & (status == 0))

@@ -59,11 +59,12 @@ def gaps(studies: Sequence[Study]) -> tuple[str, ...]:
     found = []
     for study in studies:
         count, name = study.status.size, study.results.path.name
-        if study.to_do:
+        refined = any(axis.refined for axis in study.axes)
+        if study.to_do or refined:
             text = (
                 f"{name}: {study.to_do} of {count} scenarios are not solved yet; curves and tables have gaps"
             )
-            if any(axis.refined for axis in study.axes):
+            if refined:
                 done = count - study.to_do - study.failed
                 text = f"{name}: not finished, {done} scenarios are solved; refinement adds more"
             found.append(f"{text}; {_how_to_go_on(study)}")

@@ -22,6 +22,7 @@ from tbi_cli.case.sweep import SAMPLE
 from tbi_cli.report.stored_case import stored_case
 from tbi_cli.report.words import clean
 from tbi_cli.store import DONE, FAILED, Dim, History, Results, Variable, open_results, studies_of
+from tbi_cli.store.picked import refined_axis
 
 Array = NDArray[np.float64]
 Place = Mapping[str, int]  # axis name -> index on it
@@ -38,6 +39,8 @@ class StudyAxis:
     paths: frozenset[str]
     axis: Axis | None
     order: NDArray[np.intp]
+    #: Whether the axis may still grow values by itself, so that not all that it has need be solved.
+    refined: bool = False
 
     @property
     def name(self) -> str:
@@ -55,11 +58,6 @@ class StudyAxis:
         zipped = self.dim.members and self.dim.name != SAMPLE
         first = self.dim.members[0] if zipped else self.dim
         return first if len(np.unique(first.values)) == len(first.values) else self.dim
-
-    @property
-    def refined(self) -> bool:
-        """Whether the axis grows its values by itself, so that not all that it has need be solved."""
-        return self.axis is not None and self.axis.refinement is not None
 
     @property
     def varies(self) -> bool:
@@ -86,7 +84,10 @@ class Study:
         self.name = name
         self.case: Case | None = stored_case(results.case_yaml)
         swept = {axis.name: axis for axis in self.case.axes} if self.case else {}
-        self.axes = tuple(_study_axis(dim, swept.get(dim.name)) for dim in results.dims)
+        refined = refined_axis(results.layout)
+        self.axes = tuple(
+            _study_axis(dim, swept.get(dim.name), k == refined) for k, dim in enumerate(results.dims)
+        )
         self.table = lru_cache(maxsize=64)(self._table)
 
     @property
@@ -221,10 +222,10 @@ def open_studies(paths: Sequence[Path]) -> list[Study]:
     return studies
 
 
-def _study_axis(dim: Dim, axis: Axis | None) -> StudyAxis:
+def _study_axis(dim: Dim, axis: Axis | None, refined: bool) -> StudyAxis:
     order = np.argsort(dim.values, kind="stable")
     members = tuple(replace(member, values=member.values[order]) for member in dim.members)
     dim = replace(dim, values=dim.values[order], members=members)
     if axis is not None and len(axis) == len(dim.values):
-        return StudyAxis(dim, frozenset(axis.paths), axis, order)
-    return StudyAxis(dim, frozenset(SHORT_NAMES.get(dim.name, (dim.name,))), None, order)
+        return StudyAxis(dim, frozenset(axis.paths), axis, order, refined)
+    return StudyAxis(dim, frozenset(SHORT_NAMES.get(dim.name, (dim.name,))), None, order, refined)

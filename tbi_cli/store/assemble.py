@@ -11,20 +11,19 @@ import h5py
 import numpy as np
 
 from tbi_cli.store.durable import NewFile, new_h5
-from tbi_cli.store.layout import FORMAT, FORMAT_VERSION, TABLES, Dim, Layout, Variable
+from tbi_cli.store.layout import CONVERGED, FORMAT, FORMAT_VERSION, TABLES, Dim, Layout, Variable
 from tbi_cli.store.netcdf import VariableWriter, create_group, set_attributes, write_series
-from tbi_cli.store.picked import PickedResults
 from tbi_cli.store.results import Results
 
 _TABLE_MEMORY = 256 << 20  # bytes of tables held at once; larger grids take more passes over the parts
 
 _STATUS = Variable("status", "1", "0 to do, 1 done, 2 failed")
+_CONVERGED = Variable(CONVERGED, "1", "1, or 0 where the tolerance of the refined sweep was not reached")
 _MESSAGE = Variable("message", "1", "why the case failed")
-AnyResults = Results | PickedResults
 _STATUS_FLAGS = {"flag_meanings": "to_do done failed"}
 
 
-def write_results(path: Path, scratch: Path, layout: Layout, results: AnyResults, advice: str = "") -> None:
+def write_results(path: Path, scratch: Path, layout: Layout, results: Results, advice: str = "") -> None:
     """Write all that ``results`` holds as the results file ``path``, which is replaced in one step.
 
     ``layout`` has the attributes and the history channels of the new file.  Histories are copied one case
@@ -34,7 +33,7 @@ def write_results(path: Path, scratch: Path, layout: Layout, results: AnyResults
         write_group(new, new.file, layout, results)
 
 
-def write_group(new: NewFile, root: h5py.Group, layout: Layout, results: AnyResults) -> None:
+def write_group(new: NewFile, root: h5py.Group, layout: Layout, results: Results) -> None:
     """Write all that ``results`` holds into ``root``, an empty group of the file ``new``."""
     set_attributes(root, {"format": FORMAT, "format_version": FORMAT_VERSION, **layout.name_lists})
     set_attributes(root, {**results.attributes, **layout.attributes})
@@ -44,7 +43,7 @@ def write_group(new: NewFile, root: h5py.Group, layout: Layout, results: AnyResu
         _write_histories(new, root, layout, results)
 
 
-def _write_status(root: h5py.Group, layout: Layout, results: AnyResults) -> None:
+def _write_status(root: h5py.Group, layout: Layout, results: Results) -> None:
     writer = VariableWriter(root, layout.dims)
     writer.numbers(_STATUS, results.status)
     root["status"].attrs["flag_values"] = np.array([0, 1, 2], dtype=np.int8)
@@ -53,9 +52,12 @@ def _write_status(root: h5py.Group, layout: Layout, results: AnyResults) -> None
     for index, text in results.messages.items():
         texts[index] = text
     writer.texts(_MESSAGE, texts)
+    converged = results.converged
+    if converged is not None:
+        writer.numbers(_CONVERGED, converged)
 
 
-def _write_tables(new: NewFile, root: h5py.Group, layout: Layout, results: AnyResults) -> None:
+def _write_tables(new: NewFile, root: h5py.Group, layout: Layout, results: Results) -> None:
     groups = list(layout.groups)
     largest = 8 * layout.size * max(1, len(layout.channels))
     at_once = max(1, _TABLE_MEMORY // largest)
@@ -70,7 +72,7 @@ def _write_tables(new: NewFile, root: h5py.Group, layout: Layout, results: AnyRe
                 new.check()
 
 
-def _write_histories(new: NewFile, root: h5py.Group, layout: Layout, results: AnyResults) -> None:
+def _write_histories(new: NewFile, root: h5py.Group, layout: Layout, results: Results) -> None:
     parent = create_group(root, "histories")
     for index in results.history_indices():
         history = results.history(index)

@@ -11,7 +11,7 @@ from tbi_cli.store.durable import UNFINISHED, sync_folder
 from tbi_cli.store.errors import StoreError
 from tbi_cli.store.lock import LOCK_FILE, Lock, refuse_if_held
 from tbi_cli.store.opening import Run, resolve
-from tbi_cli.store.parts import LAYOUT_FILE, STUDIES_FILE, part_number, parts_folder
+from tbi_cli.store.parts import LAYOUT_FILE, STUDIES_FILE, UNSETTLED_FILE, part_number, parts_folder
 from tbi_cli.store.safe import looks_like_hdf5
 
 _SUFFIXES = {".h5", ".hdf5", ".hdf", ".nc", ".nc4", ""}
@@ -142,7 +142,7 @@ class Claim:
         """
         with contextlib.suppress(OSError):
             if parts:
-                for name in (LAYOUT_FILE, STUDIES_FILE):
+                for name in (LAYOUT_FILE, STUDIES_FILE, UNSETTLED_FILE):
                     (self.folder / name).unlink(missing_ok=True)
                 sync_folder(self.folder)
                 for path in self.files():

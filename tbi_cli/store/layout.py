@@ -27,6 +27,9 @@ TABLES: Mapping[str, str] = {
     "time_of_peak": "time of the largest absolute value",
 }
 
+#: The variable that says where a refined sweep reached its tolerance.
+CONVERGED = "converged"
+
 #: Two runs that differ in one of these may not be mixed in one results file.
 IDENTITY = ("case_sha256", "tbi_version", "shard")
 

@@ -10,16 +10,18 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tbi_cli.store.assemble import AnyResults, write_results
+from tbi_cli.store.assemble import write_results
 from tbi_cli.store.claim import Claim, check_output
 from tbi_cli.store.compare import refuse_other_run
 from tbi_cli.store.errors import StoreError
 from tbi_cli.store.layout import Layout, Scalar
 from tbi_cli.store.opening import check_same_grid, open_results, resolve
 from tbi_cli.store.parts import parts_folder
-from tbi_cli.store.picked import settled, unsolved
+from tbi_cli.store.picked import MovedSource, numbers_in, refined_axis, settled, with_values
 from tbi_cli.store.results import Results
+from tbi_cli.store.sources import Source
 from tbi_cli.store.studies import Heading, heading_of, write_studies
 
 _SHOWN = 20  # shards or cases named in a message
@@ -54,14 +56,14 @@ def merge(
         _check_studies(there, headings)
     new = attributes or {}
     with ExitStack() as stack:
-        found: dict[str, tuple[Layout, AnyResults]] = {}
+        found: dict[str, Results] = {}
         for name in headings[0].names if headings and headings[0].names else ("",):
             shards = [stack.enter_context(open_results(path, study=name)) for path in there]
             found[name] = _joined(target, shards, new, partial=partial)
         claim = Claim(target)
         try:
             if "" in found:
-                write_results(target, claim.folder, *found[""])
+                write_results(target, claim.folder, found[""].layout, found[""])
             else:
                 root = {k: v for k, v in headings[0].attributes.items() if k != "shard"}
                 write_studies(target, claim.folder, {**root, **new}, found)
@@ -88,16 +90,29 @@ def _studies(heading: Heading) -> str:
 
 def _joined(
     target: Path, shards: Sequence[Results], attributes: Mapping[str, Scalar], *, partial: bool
-) -> tuple[Layout, AnyResults]:
-    """The layout and the results of one grid, all shards together."""
-    numbers = _check_shards(shards)
-    sources = [source for shard in shards for source in shard.sources]
+) -> Results:
+    """The results of one grid, all shards together."""
+    shard_numbers = _check_shards(shards)
     layout = _layout(shards, attributes)
-    results = Results(target, layout, sources, finished=False)
-    if partial:
-        return layout, results
-    _refuse_gaps(numbers, shards, results)
-    return settled(layout, results)
+    sources: list[Source] = []
+    unsettled: list[NDArray[np.int64]] = []
+    for shard in shards:
+        numbers = _numbers(shard, layout)
+        sources += [MovedSource(source, numbers) for source in shard.sources]
+        if shard.unsettled is not None:
+            unsettled.append(numbers[shard.unsettled])
+    results = Results(
+        target, layout, sources, finished=False, unsettled=np.concatenate(unsettled) if unsettled else None
+    )
+    if not partial:
+        _refuse_gaps(shard_numbers, shards, results)
+        results.layout = settled(layout)
+    return results
+
+
+def _numbers(shard: Results, layout: Layout) -> NDArray[np.int64]:
+    """The flat index in the whole grid of each case of a shard, which of a refined grid has some speeds."""
+    return numbers_in(shard.layout.dims, [dim.values for dim in layout.dims])
 
 
 def _check_shards(shards: Sequence[Results]) -> tuple[set[int], int]:
@@ -118,9 +133,11 @@ def _check_shards(shards: Sequence[Results]) -> tuple[set[int], int]:
         old, new = ({**s.layout.attributes, "shard": ""} for s in (shard, first))
         refuse_other_run(str(shard.path), old, new, f"{first.path} sets the measure")
         check_same_grid(shard.layout, first.layout, shard.path)
-    solved = np.zeros(first.layout.size, dtype=bool)
+    whole = _together(shards)
+    solved = np.zeros(whole.size, dtype=bool)
     for shard in shards:
-        own = shard.status.ravel() != 0
+        own = np.zeros(whole.size, dtype=bool)
+        own[_numbers(shard, whole)] = shard.status.ravel() != 0
         if (solved & own).any():
             index = int(np.flatnonzero(solved & own)[0])
             raise StoreError(f"{shard.path}: holds case {index}, which another shard holds too")
@@ -138,10 +155,19 @@ def _shard_number(shard: Results) -> tuple[int, int]:
 
 def _layout(shards: Sequence[Results], attributes: Mapping[str, Scalar]) -> Layout:
     """The layout of the whole; the units of the history channels are known where there is a history."""
-    first = shards[0].layout
+    first = _together(shards)
     channels = next((s.history_channels for s in shards if s.history_indices()), first.history_channels)
     kept = {k: v for k, v in first.attributes.items() if k != "shard"}
     return replace(first, history_channels=channels, attributes={**kept, **attributes})
+
+
+def _together(shards: Sequence[Results]) -> Layout:
+    """The layout of the first shard, on a refined axis with the values of all."""
+    first = shards[0].layout
+    axis = refined_axis(first)
+    if axis is None:
+        return first
+    return with_values(first, axis, np.unique(np.concatenate([s.layout.dims[axis].values for s in shards])))
 
 
 def _refuse_gaps(numbers: tuple[set[int], int], shards: Sequence[Results], results: Results) -> None:
@@ -152,7 +178,7 @@ def _refuse_gaps(numbers: tuple[set[int], int], shards: Sequence[Results], resul
     running = [str(shard.path) for shard in shards if not shard.finished]
     if running:
         raise StoreError(f"not finished: {_list(running)}; --partial leaves their cases to be done")
-    to_do = np.flatnonzero(unsolved(results.layout, results.status).ravel())
+    to_do = np.flatnonzero(results.status.ravel() == 0)
     if len(to_do):
         raise StoreError(
             f"no shard holds {len(to_do)} of the cases, the first is {to_do[0]}; "

@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+import json
 import os
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
+from tbi_cli.store.durable import write_text
 from tbi_cli.store.errors import StoreError
 from tbi_cli.store.layout import Layout
-from tbi_cli.store.parts import LAYOUT_FILE, STUDIES_FILE, PartSource, part_number, parts_folder
-from tbi_cli.store.picked import SettledSource, is_settled
+from tbi_cli.store.parts import (
+    LAYOUT_FILE,
+    STUDIES_FILE,
+    UNSETTLED_FILE,
+    PartSource,
+    part_number,
+    parts_folder,
+)
+from tbi_cli.store.picked import MovedSource, numbers_in, refined_axis, solved_only
 from tbi_cli.store.results import Results
 from tbi_cli.store.sources import ResultsSource, Source
 from tbi_cli.store.vet import vet
@@ -54,7 +66,8 @@ def _open(path: Path, study: str) -> Results:
         if results is not None:
             return results
     source = ResultsSource(path, study)
-    return Results(path, source.layout, [source], finished=True, study=study)
+    unsettled = source.unsettled
+    return Results(path, source.layout, [source], finished=True, study=study, unsettled=unsettled)
 
 
 def _look_through(path: Path, study: str) -> None:
@@ -132,7 +145,36 @@ class Run:
             if source.run_id == self.run_id:
                 sources.append(source)
             source.close()
-        return Results(self.path, layout, sources, finished=False, study=self.study)
+        layout, sources, unsettled = solved_only(layout, sources, self._unsettled())
+        return Results(self.path, layout, sources, finished=False, study=self.study, unsettled=unsettled)
+
+    def note_unsettled(self, unsettled: NDArray[np.int64]) -> None:
+        """Keep which cases of a refined grid (flat indices) have a peak that may still change."""
+        file = self.folder / UNSETTLED_FILE
+        try:
+            write_text(file, json.dumps({"run_id": self.run_id, "cases": unsettled.tolist()}))
+        except OSError as error:
+            raise StoreError.from_os(file, error) from error
+
+    def _unsettled(self) -> NDArray[np.int64] | None:
+        """What was noted last; all cases before the first note; None of a grid that is not refined."""
+        if refined_axis(self.layout) is None:
+            return None
+        file = self.folder / UNSETTLED_FILE
+        try:
+            data = json.loads(file.read_text(encoding="utf-8"))
+            if data["run_id"] == self.run_id:
+                cases = np.array(data["cases"], dtype=np.int64).reshape(-1)
+                if np.all((cases >= 0) & (cases < self.layout.size)):
+                    return cases
+                raise StoreError(f"{file}: names a case outside the grid")
+        except FileNotFoundError:
+            pass
+        except OSError as error:
+            raise StoreError.from_os(file, error) from error
+        except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
+            raise StoreError(f"{file}: is not what tbi writes there") from error
+        return np.arange(self.layout.size)
 
 
 def as_of(source: ResultsSource, layout: Layout) -> Source:
@@ -140,21 +182,29 @@ def as_of(source: ResultsSource, layout: Layout) -> Source:
 
     Raises `StoreError` if it has other axes or channels.
     """
-    found, whole = source.layout, layout
+    found = source.layout
     source.layout = replace(found, history_channels=layout.history_channels)
-    made: SettledSource | ResultsSource = source
-    if is_settled(found, layout):
-        made = SettledSource(source, layout)
-        whole = made.layout
-    check_same_grid(found, whole, source.path)
-    return made
+    check_same_grid(found, layout, source.path)
+    if refined_axis(layout) is None:
+        return source
+    try:
+        return MovedSource(source, numbers_in(found.dims, [dim.values for dim in layout.dims]))
+    except StoreError as error:
+        raise StoreError(f"{source.path}: {error}") from error
 
 
 def check_same_grid(a: Layout, b: Layout, path: Path) -> None:
-    """Raise `StoreError` unless both layouts have the same grid, channels and amplification factors."""
+    """Raise `StoreError` unless both layouts have the same grid, channels and amplification factors.
+
+    On an axis that is refined in `b` each has the values that it came to.
+    """
+    refined = refined_axis(b)
     same = (
         [d.name for d in a.dims] == [d.name for d in b.dims]
-        and all(x.values.tobytes() == y.values.tobytes() for x, y in zip(a.dims, b.dims, strict=True))
+        and all(
+            k == refined or x.values.tobytes() == y.values.tobytes()
+            for k, (x, y) in enumerate(zip(a.dims, b.dims, strict=True))
+        )
         and [c.name for c in a.channels] == [c.name for c in b.channels]
         and [c.name for c in a.history_channels] == [c.name for c in b.history_channels]
         and a.daf == b.daf

@@ -23,6 +23,9 @@ LAYOUT_FILE = "layout.json"
 #: Which studies a run is of, where it is of several; each has a folder of its own below.
 STUDIES_FILE = "studies.json"
 
+#: Which cases of a refined run have a peak that may still change, as of the last round.
+UNSETTLED_FILE = "unsettled.json"
+
 _NO_HISTORY = -1
 _CASE = np.dtype(
     [("index", "<i8"), ("status", "i1"), ("seconds", "<f8"), ("steps", "<i8"), ("samples", "<i8")]

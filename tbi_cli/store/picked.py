@@ -1,4 +1,4 @@
-"""A grid without the values of one axis at which nothing was solved."""
+"""The grid of a refined run without the speeds at which nothing was solved."""
 
 from __future__ import annotations
 
@@ -8,119 +8,92 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.store.layout import Layout, Scalar
+from tbi_cli.store.errors import StoreError
+from tbi_cli.store.layout import Dim, Layout
 from tbi_cli.store.records import History
-from tbi_cli.store.results import Results
-from tbi_cli.store.sources import ResultsSource
+from tbi_cli.store.sources import Source
 
-#: The root attribute that names the axis of which only some values are solved.
+#: The root attribute that names the axis of which only some values are solved, while more may come.
 REFINED = "refined"
 
 
-def settled(layout: Layout, results: Results) -> tuple[Layout, Results | PickedResults]:
-    """Layout and results of a refined grid with the speeds that were solved; any other grid as it is.
+def refined_axis(layout: Layout) -> int | None:
+    """Which of the axes may still get more values; None if none may."""
+    name = layout.attributes.get(REFINED)
+    return next((k for k, dim in enumerate(layout.dims) if dim.name == name), None)
 
-    A shard keeps all speeds that there may be, so that shards can be put together.
+
+def settled(layout: Layout) -> Layout:
+    """The layout of a whole run that is finished, to which no more speeds will come; of a shard, itself."""
+    if layout.attributes.get("shard"):
+        return layout
+    return replace(layout, attributes={k: v for k, v in layout.attributes.items() if k != REFINED})
+
+
+def numbers_in(dims: Sequence[Dim], whole: Sequence[NDArray[np.float64]]) -> NDArray[np.int64]:
+    """The flat index in a whole grid of each case of a grid that has some of its values.
+
+    Raises StoreError where it has a value of its own.
     """
-    name = layout.attributes.get(REFINED)
-    if not name or layout.attributes.get("shard"):
-        return layout, results
-    place = _place(layout)
-    solved = np.moveaxis(results.status != 0, place, 0).reshape(layout.shape[place], -1).any(axis=1)
-    smaller, picked = _cut(layout, solved)
-    return smaller, PickedResults(results, smaller, picked)
+    places = []
+    for dim, values in zip(dims, whole, strict=True):
+        order = np.argsort(values, kind="stable")
+        place = order[np.minimum(np.searchsorted(values, dim.values, sorter=order), len(values) - 1)]
+        if not np.array_equal(values[place], dim.values):
+            raise StoreError(f"the axis {dim.name} has other values")
+        places.append(place)
+    shape = tuple(len(values) for values in whole)
+    flat = np.ravel_multi_index(np.ix_(*places), shape) if places else np.zeros(1, dtype=np.int64)
+    return np.asarray(flat, dtype=np.int64).ravel()
 
 
-def _place(layout: Layout) -> int:
-    """Which of the axes is the refined one."""
-    return [dim.name for dim in layout.dims].index(str(layout.attributes[REFINED]))
+def solved_only(
+    layout: Layout, sources: Sequence[Source], unsettled: NDArray[np.int64] | None
+) -> tuple[Layout, list[Source], NDArray[np.int64] | None]:
+    """Layout, sources and unsettled cases of a refined grid with the speeds alone that were solved.
+
+    A grid of which nothing is solved yet keeps the two ends of the axis; one that is not refined, all.
+    """
+    axis = refined_axis(layout)
+    if axis is None:
+        return layout, list(sources), unsettled
+    size, behind = layout.shape[axis], int(np.prod(layout.shape[axis + 1 :]))
+    kept = np.zeros(size, dtype=bool)
+    for source in sources:
+        kept[source.indices // behind % size] = True
+    if not kept.any():
+        kept[[0, -1]] = True
+    smaller = with_values(layout, axis, layout.dims[axis].values[kept])
+    # Cases of the speeds that are left out have no number.
+    numbers = np.full(layout.size, -1, dtype=np.int64)
+    numbers[numbers_in(smaller.dims, [dim.values for dim in layout.dims])] = np.arange(smaller.size)
+    if unsettled is not None:
+        unsettled = numbers[unsettled]
+        unsettled = unsettled[unsettled >= 0]
+    return smaller, [MovedSource(source, numbers) for source in sources], unsettled
 
 
-def _cut(layout: Layout, kept: NDArray[np.bool_]) -> tuple[Layout, NDArray[np.int64]]:
-    """The layout with some values of the refined axis alone, and its cases' flat indices in the whole."""
-    place = _place(layout)
-    dims = tuple(
-        replace(dim, values=dim.values[kept]) if k == place else dim for k, dim in enumerate(layout.dims)
-    )
-    attributes = {key: value for key, value in layout.attributes.items() if key != REFINED}
-    grid = np.arange(layout.size).reshape(layout.shape)
-    return replace(layout, dims=dims, attributes=attributes), np.compress(kept, grid, axis=place).ravel()
+def with_values(layout: Layout, axis: int, values: NDArray[np.float64]) -> Layout:
+    """The layout with other values on one axis."""
+    dims = list(layout.dims)
+    dims[axis] = replace(dims[axis], values=values)
+    return replace(layout, dims=tuple(dims))
 
 
-def is_settled(old: Layout, layout: Layout) -> bool:
-    """Whether a file of the layout ``old`` has only the speeds that were solved of the grid ``layout``."""
-    return REFINED in layout.attributes and REFINED not in old.attributes
+class MovedSource:
+    """A source of results whose cases have other flat indices: ``numbers`` gives the new for the old."""
 
-
-def unsolved(layout: Layout, status: NDArray[np.int8]) -> NDArray[np.bool_]:
-    """Which cases of the grid are to do: of a refined axis, only at values that others were solved at."""
-    name = layout.attributes.get(REFINED)
-    if not name:
-        return np.asarray(status == 0)
-    place = _place(layout)
-    others = tuple(k for k in range(status.ndim) if k != place)
-    to_do: NDArray[np.bool_] = (status == 0) & (status != 0).any(axis=others, keepdims=True)
-    return to_do
-
-
-class PickedResults:
-    """Some scenarios of other results, by their flat indices there, as a grid of their own."""
-
-    def __init__(self, results: Results, layout: Layout, picked: NDArray[np.int64]) -> None:
-        self._results = results
-        self._layout = layout
-        self._picked = picked
-        self._place = {int(index): place for place, index in enumerate(picked)}
-
-    @property
-    def attributes(self) -> dict[str, Scalar]:
-        """Root attributes."""
-        return {key: value for key, value in self._results.attributes.items() if key != REFINED}
-
-    @property
-    def status(self) -> NDArray[np.int8]:
-        """0 to do, 1 done, 2 failed; of the grid's shape."""
-        return np.asarray(self._results.status.ravel()[self._picked].reshape(self._layout.shape))
-
-    @property
-    def messages(self) -> Mapping[int, str]:
-        """Why cases failed, by flat index."""
-        found = self._results.messages.items()
-        return {self._place[index]: text for index, text in found if index in self._place}
-
-    def tables(self, groups: Sequence[str]) -> dict[str, NDArray[np.float64]]:
-        """Whole table groups: (number of variables, number of cases)."""
-        return {name: values[:, self._picked] for name, values in self._results.tables(groups).items()}
-
-    def history_indices(self) -> list[int]:
-        """The flat indices of the cases that have a history, in ascending order."""
-        return sorted(self._place[i] for i in self._results.history_indices() if i in self._place)
-
-    def history(self, index: int) -> History:
-        """The history of a case."""
-        return self._results.history(int(self._picked[index]))
-
-
-class SettledSource:
-    """A results file that has only the solved values of a refined axis, as a source of the whole grid."""
-
-    def __init__(self, source: ResultsSource, layout: Layout) -> None:
-        place = _place(layout)
-        named = [dim.values for dim in source.layout.dims if dim.name == layout.dims[place].name]
-        kept = np.isin(layout.dims[place].values, named[0] if named else [])
-        #: The layout that the file should have.
-        self.layout, self._whole = _cut(layout, kept)
-        self._source = source
-        self._old = {int(index): k for k, index in enumerate(self._whole)}
+    def __init__(self, source: Source, numbers: NDArray[np.int64]) -> None:
+        self._source, self._numbers = source, numbers
         self.path = source.path
-        self.indices: NDArray[np.int64] = self._whole[source.indices]
+        self.indices: NDArray[np.int64] = numbers[source.indices]
         self.status = source.status
         self.solve_seconds, self.case_steps = source.solve_seconds, source.case_steps
 
     @property
     def messages(self) -> Mapping[int, str]:
         """Why cases failed, by flat index."""
-        return {int(self._whole[index]): text for index, text in self._source.messages.items()}
+        return {int(self._numbers[index]): text for index, text in self._source.messages.items()}
 
     def tables(self, groups: Sequence[str]) -> dict[str, NDArray[np.float64]]:
         """All variables of some table groups, each (n, number of variables)."""
@@ -132,11 +105,12 @@ class SettledSource:
 
     def history_indices(self) -> set[int]:
         """The flat indices of the cases whose history is here."""
-        return {int(self._whole[index]) for index in self._source.history_indices()}
+        return {int(self._numbers[index]) for index in self._source.history_indices()}
 
     def history(self, index: int, rows: Sequence[int] | None = None) -> History:
         """The history of one case."""
-        return self._source.history(self._old[index], rows)
+        old = self._source.indices[self.indices == index]
+        return self._source.history(int(old[0]), rows)
 
     def close(self) -> None:
         """Closes the file."""

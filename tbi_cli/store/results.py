@@ -29,7 +29,14 @@ class Results:
     """
 
     def __init__(
-        self, path: Path, layout: Layout, sources: Sequence[Source], *, finished: bool, study: str = ""
+        self,
+        path: Path,
+        layout: Layout,
+        sources: Sequence[Source],
+        *,
+        finished: bool,
+        study: str = "",
+        unsettled: NDArray[np.int64] | None = None,
     ) -> None:
         self.path = path
         #: Which study of the file this is; empty for a file of one grid.
@@ -38,6 +45,8 @@ class Results:
         self.sources = tuple(sources)
         #: True if read from the results file itself, False if from the parts of an unfinished run.
         self.finished = finished
+        #: Flat indices of cases with a peak that may change by more than a refined sweep's tolerance.
+        self.unsettled = unsettled
         self._status = np.zeros(layout.size, dtype=np.int8)
         self._owner = np.full(layout.size, -1, dtype=np.int32)
         for k, source in enumerate(self.sources):
@@ -93,6 +102,18 @@ class Results:
     def status(self) -> NDArray[np.int8]:
         """0 to do, 1 done, 2 failed; of the grid's shape."""
         return self._status.reshape(self.shape).copy()
+
+    @property
+    def converged(self) -> NDArray[np.int8] | None:
+        """1, or 0 where a refined sweep did not reach its tolerance; of the grid's shape.
+
+        0 too where nothing is solved; None of a sweep that is not refined.
+        """
+        if self.unsettled is None:
+            return None
+        found = (self._status == DONE).astype(np.int8)
+        found[self.unsettled] = 0
+        return np.asarray(found.reshape(self.shape))
 
     @property
     def messages(self) -> dict[int, str]:

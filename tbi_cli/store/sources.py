@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from tbi_cli.store import safe
 from tbi_cli.store.errors import StoreError, one_line
 from tbi_cli.store.layout import (
+    CONVERGED,
     DAF,
     FORMAT,
     FORMAT_VERSION,
@@ -105,6 +106,13 @@ class ResultsSource(SourceFile):
             raise StoreError(f"{path}: /status holds a number other than 0, 1 and 2")
         self.indices = np.flatnonzero(status)
         self.status = status[self.indices].astype(np.int8)
+        #: Cases (flat indices) at which a refined sweep did not reach its tolerance; None of any other.
+        self.unsettled: NDArray[np.int64] | None = None
+        if CONVERGED in safe.child_names(self.file):
+            converged = safe.read_numbers(self.file, CONVERGED, shape).ravel()
+            if not np.isin(converged, (0, 1)).all():
+                raise StoreError(f"{path}: /{CONVERGED} holds a number other than 0 and 1")
+            self.unsettled = np.flatnonzero((converged == 0) & (status == DONE))
         attributes = safe.read_attributes(self.file)
         self.solve_seconds = float(_number(attributes.get("solve_seconds")))
         self.case_steps = int(_number(attributes.get("case_steps")))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import secrets
+from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 
@@ -18,7 +19,7 @@ from tbi_cli.store.errors import StoreError
 from tbi_cli.store.layout import Layout
 from tbi_cli.store.opening import Run, as_of
 from tbi_cli.store.parts import LAYOUT_FILE, part_number, write_part
-from tbi_cli.store.picked import settled
+from tbi_cli.store.picked import numbers_in, settled
 from tbi_cli.store.records import DONE, BatchResult
 from tbi_cli.store.results import Results
 from tbi_cli.store.sources import ResultsSource
@@ -103,7 +104,11 @@ class ResultsStore:
         return self._begin(extends=True)
 
     def _note_done(self, results: Results) -> None:
-        self._done = results.status.ravel() == DONE
+        self._done[self._numbers(results)] = results.status.ravel() == DONE
+
+    def _numbers(self, results: Results) -> NDArray[np.int64]:
+        """The flat index in the whole grid of each case of results, which may lack speeds."""
+        return numbers_in(results.layout.dims, [dim.values for dim in self.layout.dims])
 
     def done(self) -> NDArray[np.bool_]:
         """Which cases are solved already, (number of cases,) by flat index; failed ones are not."""
@@ -119,6 +124,18 @@ class ResultsStore:
         write_part(self._claim.folder, self._next, self._run.run_id, self.layout, batch)
         self._next += 1
         self._done[batch.indices] |= batch.status == DONE
+
+    def solved_peaks(self, columns: Sequence[int]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """The cases that are solved, by flat index, and their peaks (cases, columns)."""
+        with self.results() as results:
+            done = results.status.ravel() == DONE
+            peaks = results.tables(["peak"])["peak"][list(columns)]
+            return self._numbers(results)[done], peaks[:, done].T
+
+    def note_unsettled(self, unsettled: NDArray[np.int64]) -> None:
+        """Keep which cases of a refined grid (flat indices) have a peak that may still change."""
+        self._claim.check()
+        self._run.note_unsettled(unsettled)
 
     @property
     def parts(self) -> dict[str, ResultsStore]:
@@ -144,8 +161,8 @@ class ResultsStore:
         advice = f"the finished cases are safe in {self._claim.folder}; continue with --resume"
         if self.has_news:
             with self.results() as results:
-                layout, found = settled(self.layout, results)
-                write_results(self.path, self._claim.folder, layout, found, advice)
+                results.layout = settled(results.layout)
+                write_results(self.path, self._claim.folder, results.layout, results, advice)
         self._claim.clean(parts=True)
         self.close()
         return self.path

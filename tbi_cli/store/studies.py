@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tbi_cli.store import safe
-from tbi_cli.store.assemble import AnyResults, write_group
+from tbi_cli.store.assemble import write_group
 from tbi_cli.store.claim import Claim, check_output, check_path
 from tbi_cli.store.compare import refuse_other_run
 from tbi_cli.store.durable import new_h5, write_text
@@ -26,6 +26,7 @@ from tbi_cli.store.opening import Run, resolve
 from tbi_cli.store.parts import STUDIES_FILE, parts_folder
 from tbi_cli.store.picked import settled
 from tbi_cli.store.records import BatchResult
+from tbi_cli.store.results import Results
 from tbi_cli.store.store import ResultsStore
 from tbi_cli.store.vet import vet
 
@@ -66,15 +67,15 @@ def write_studies(
     path: Path,
     scratch: Path,
     attributes: Mapping[str, Scalar],
-    studies: Mapping[str, tuple[Layout, AnyResults]],
+    studies: Mapping[str, Results],
     advice: str = "",
 ) -> None:
     """Write the results of studies, by name, as the results file ``path``; see `write_results`."""
     with new_h5(path, scratch, advice) as new:
         set_attributes(new.file, {"format": STUDIES_FORMAT, "format_version": FORMAT_VERSION})
         set_attributes(new.file, {"studies": " ".join(studies), **attributes})
-        for name, (layout, results) in studies.items():
-            write_group(new, create_group(new.file, name), layout, results)
+        for name, results in studies.items():
+            write_group(new, create_group(new.file, name), results.layout, results)
 
 
 def _of_file(path: Path) -> Heading:
@@ -205,10 +206,9 @@ class StudiesStore:
         if any(store.has_news for store in self.parts.values()):
             advice = f"the finished cases are safe in {self._claim.folder}; continue with --resume"
             with ExitStack() as stack:
-                found = {
-                    name: settled(store.layout, stack.enter_context(store.results()))
-                    for name, store in self.parts.items()
-                }
+                found = {name: stack.enter_context(store.results()) for name, store in self.parts.items()}
+                for results in found.values():
+                    results.layout = settled(results.layout)
                 write_studies(self.path, self._claim.folder, self._attributes, found, advice)
         self._claim.clean(parts=True)
         self._claim.release()
