@@ -36,8 +36,14 @@ def differences(a: Results, b: Results) -> Iterator[str]:
         differ = int(np.sum(a.status != b.status))
         if differ:
             yield f"status: of {differ} scenario{'s' if differ > 1 else ''}"
+        if _flags(a) != _flags(b):
+            yield "converged: not the same"
         for group in a.layout.groups:
             yield from _of_table(group, a, b)
+
+
+def _flags(results: Results) -> bytes | None:
+    return None if results.converged is None else results.converged.tobytes()
 
 
 def _of_cases(a: str, b: str) -> Iterator[str]:

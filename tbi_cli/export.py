@@ -11,6 +11,7 @@ import numpy as np
 
 from tbi_cli.errors import UserError
 from tbi_cli.store import Results
+from tbi_cli.store.layout import CONVERGED
 
 
 def export_tables(
@@ -24,7 +25,8 @@ def export_tables(
     """
     if form == "parquet":
         _need_pyarrow()
-    paths = {group: folder / f"{group}.{form}" for group in results.layout.groups}
+    groups = [*results.layout.groups, *([] if results.converged is None else [CONVERGED])]
+    paths = {group: folder / f"{group}.{form}" for group in groups}
     there = next((path for path in paths.values() if path.exists()), None)
     if there is not None and not overwrite:
         raise UserError(f"{there}: exists already; --overwrite replaces it")
@@ -45,6 +47,9 @@ def _columns(results: Results, group: str) -> Iterator[tuple[str, Any]]:
     for dim, place in zip(results.dims, places, strict=True):
         for column in (dim, *dim.members):
             yield _named(column.name, column.units), column.values[place]
+    if group == CONVERGED and results.converged is not None:
+        yield CONVERGED, results.converged.ravel()
+        return
     for variable in results.layout.columns(group):
         yield _named(variable.name, variable.units), results.table(group, variable.name).ravel()
 

@@ -143,7 +143,14 @@ class Refiner:
 
     def more(self) -> Mask:
         """The scenarios (n,) of the next round: none once every peak is settled."""
-        return self._next([search.more(self._peaks) for search in self._searches])
+        return self._next([self._wishes(search) for search in self._searches])
+
+    def _wishes(self, search: StepSearch) -> list[int]:
+        """The next places that a search asks for: if others have asked for them before, those after."""
+        while True:
+            places = search.more(self._peaks)
+            if not self._asked.issuperset(places) or not places:
+                return places
 
     def _next(self, asked: list[list[int]]) -> Mask:
         new = {place for places in asked for place in places} - self._asked

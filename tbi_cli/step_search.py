@@ -75,7 +75,7 @@ class StepSearch:
             for side, wants in enumerate(wanting):
                 left, right = int(places[k + side]), int(places[k + side + 1])
                 if wants[k].any() and right - left > 1:
-                    new.add((left + right) // 2)
+                    new.add(_inside(left, right))
         return new
 
     def _highest(self, places: NDArray[np.int64], peaks: Mapping[int, Array]) -> NDArray[np.bool_]:
@@ -106,7 +106,7 @@ class StepSearch:
                 for k in np.flatnonzero(bent).tolist():
                     left, right = int(places[k + side]), int(places[k + side + 1])
                     if self._low <= left and right <= self._high and right - left > self._drawn:
-                        new.add((left + right) // 2)
+                        new.add(_inside(left, right))
         return new
 
     def _curvature(
@@ -120,6 +120,12 @@ class StepSearch:
         before = (speeds[1:-1] - speeds[:-2])[:, None, None]
         behind = (speeds[2:] - speeds[1:-1])[:, None, None]
         return before, behind, ((mid - low) / before - (high - mid) / behind) / (before + behind)
+
+
+def _inside(left: int, right: int) -> int:
+    """The place between two in the coarsest halving of the steps: the most even number there."""
+    shift = (left ^ (right - 1)).bit_length() - 1
+    return (right - 1) >> shift << shift
 
 
 def _triples(places: NDArray[np.int64], peaks: Mapping[int, Array]) -> tuple[Array, Array, Array]:

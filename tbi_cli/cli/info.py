@@ -78,6 +78,8 @@ def _show(opened: Results, verbose: bool) -> None:
         print(f"axis           {dim.name}: {count} value{'s' if count > 1 else ''}, {ends}{unit}")
     done, failed = int(np.sum(status == DONE)), int(np.sum(status == FAILED))
     print(f"scenarios      {status.size}: {done} done, {failed} failed, {status.size - done - failed} to do")
+    if opened.unsettled is not None:
+        print(f"converged      all but {len(opened.unsettled)} of those done")
     print(f"channels       {len(opened.channels)} in tables, {len(opened.history_channels)} in histories")
     for key in _PROVENANCE:
         if key in opened.attributes:

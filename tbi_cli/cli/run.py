@@ -112,7 +112,7 @@ def _options(
 def _run(case: Case, how: Options, requeue: bool, quiet: bool, verbose: bool) -> None:
     from tbi_cli.cli.progress import Terminal
     from tbi_cli.cli.stopping import stop_on_signals
-    from tbi_cli.cli.summary import print_summary
+    from tbi_cli.cli.summary import print_summary, unsettled
     from tbi_cli.cluster.slurm import requeue_this_job
     from tbi_cli.runner import Silence
     from tbi_cli.runner import run as solve
@@ -125,6 +125,8 @@ def _run(case: Case, how: Options, requeue: bool, quiet: bool, verbose: bool) ->
         print(f"failed: {message}", file=sys.stderr)
     if not quiet:
         print_summary(summary, every_channel=verbose)
+    if summary.unsettled:
+        print(unsettled(summary.unsettled), file=sys.stderr)
     if summary.left:
         raise typer.Exit(stop.exit_code)
     if summary.failed:

@@ -56,6 +56,13 @@ def print_summary(summary: Summary, *, every_channel: bool = False) -> None:
     print(f"results: {summary.path}{failed}")
 
 
+def unsettled(scenarios: Sequence[str]) -> str:
+    """A line on the scenarios, in words, at which a refined sweep did not reach its tolerance."""
+    count = len(scenarios)
+    where = scenarios[0] if count == 1 else f"{count} scenarios, the first {scenarios[0]}"
+    return f"the tolerance of the refined sweep was not reached at {where}; `converged` is 0 there"
+
+
 def extremes(results: Results, *, every_channel: bool) -> list[str]:
     """A line per channel: its largest absolute value, when, and at which axis values; 0 for mere rounding."""
     channels = [c for c in results.channels if every_channel or c.name in _HEADLINES]

@@ -68,6 +68,10 @@ def gaps(studies: Sequence[Study]) -> tuple[str, ...]:
                 done = count - study.to_do - study.failed
                 text = f"{name}: not finished, {done} scenarios are solved; refinement adds more"
             found.append(f"{text}; {_how_to_go_on(study)}")
+        unsettled = 0 if study.results.unsettled is None else len(study.results.unsettled)
+        if unsettled and not refined:
+            text = "the tolerance of the refined sweep was not reached"
+            found.append(f"{name}: {text} at {unsettled} of {count} scenarios")
         if study.failed:
             first = next(iter(study.results.messages.values()), "")
             found.append(

@@ -8,12 +8,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.case import Case, Consist, HslmA
+from tbi_cli.case import Case, Consist, HslmA, MovingLoad
 from tbi_cli.report import marks
 from tbi_cli.report.plot import Array, Curve, Mark, Points
 from tbi_cli.report.study import Study, StudyAxis
 from tbi_cli.report.table import Cell, Table
-from tbi_cli.system.resonance import resonant_speeds
+from tbi_cli.system.resonance import repeats_after, resonant_speeds
 
 SIDES = ("right", "left")
 # A peak stands out if one has to go down from it by this share of the largest value to get higher.
@@ -23,10 +23,12 @@ _MOST_PLACES = 200
 
 
 def repeats(case: Case | None) -> bool:
-    """Whether several equal vehicles of a train follow each other."""
-    if case is None or not isinstance(case.train, Consist):
-        return case is not None and isinstance(case.train, HslmA)
-    return any(group.count > 1 for group in case.train.consist)
+    """Whether several equal vehicles of a train follow each other, or its forces repeat themselves."""
+    return (
+        case is not None
+        and isinstance(case.train, Consist | HslmA | MovingLoad)
+        and bool(repeats_after(case))
+    )
 
 
 def expected(case: Case | None, side: str | None = None) -> list[Mark]:
@@ -96,7 +98,8 @@ def resonance_table(study: Study, select: Mapping[str, int]) -> Table | None:
         heading=f"Resonance: {study.title}",
         columns=(*heads, *_HEADS),
         rows=tuple(rows),
-        note="Expected: f_j D/i, with i periods of mode j from one coach of length D to the next. Found: "
+        note="Expected: f_j D/i, with i periods of mode j from one coach of length D to the next; of a list "
+        "of forces, D is the longest strong wave of its spectrum. Found: "
         "where the largest value at mid-span peaks over speed, within 10 % and near no other expected speed. "
         "Modes of even number have a node at mid-span.",
     )

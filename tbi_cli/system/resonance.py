@@ -1,4 +1,9 @@
-"""Where the repetition of axles can bring a bridge into resonance."""
+"""Where the repetition of axles can bring a bridge into resonance.
+
+A force P at x behind the first adds P exp(2 pi i x/lambda) to the vibration that the train leaves in a mode
+of frequency f_j, lambda = v/f_j being the way in one of its periods.  So a train is known by its spectrum
+|sum P exp(2 pi i x/lambda)|, and resonance is where that peaks: v = f_j lambda.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.case import Case, Consist, FullTrain, HslmA, RigidBeam
+from tbi_cli.case import Case, Consist, FullTrain, HslmA, MovingLoad, RigidBeam
 from tbi_cli.system.assembly import System, build_system
 from tbi_cli.system.bridge import natural_frequencies
 from tbi_cli.system.trains import SIDES
@@ -16,10 +21,13 @@ Array = NDArray[np.float64]
 
 # The largest i of v = f_j D/i: beyond it a mode swings so often between two bogies that nothing builds up.
 _MOST_PARTS = 6
-# The finest part of a spectrum's own period, the whole length of the train, at which it is looked at.
+# At so many points in each of its lobes, which are 1/length wide, a spectrum is looked at.
 _SAMPLES = 8
-# How strong a wave of the spectrum is, and what its resonance would come to beside the strongest.
+# What share of the weight a wave stands for at least, and its resonance of the strongest one.
 _STRONG, _FELT = 0.15, 0.1
+# A list of forces repeats itself after the longest wave with such a share, if it does so often enough.
+_REPEATS, _OFTEN = 0.4, 3
+_MOST_WAVES = 100
 _PIECE = 1 << 20  # numbers at once
 
 
@@ -51,25 +59,28 @@ def spectrum(positions: Array, loads: Array, wavelengths: Array) -> Array:
 
 
 def waves(positions: Array, loads: Array, shortest: float, longest: float) -> list[Wave]:
-    """The peaks of the spectrum between two wavelengths that stand for a quarter of the weight or more."""
+    """The peaks of the spectrum between two wavelengths (m) that hold enough of the weight, longest first."""
     length = float(np.ptp(positions))
     if length == 0 or np.sum(loads) <= 0:
         return []
     step = 1 / (_SAMPLES * length)
-    low, high = max(1 / longest, 0.5 / length), 1 / shortest
-    if high <= low:
+    # Waves in a metre. A wave as long as the train or longer is no repetition.
+    numbers = np.arange(max(1 / longest - step, 0.5 / length), 1 / shortest + 2 * step, step)
+    if len(numbers) < 3:
         return []
-    numbers = np.arange(low - step, high + 2 * step, step)  # waves in a metre
-    numbers = numbers[numbers > 0.25 / length]
     values = spectrum(positions, loads, 1 / numbers)
     left, mid, right = values[:-2], values[1:-1], values[2:]
-    top = np.flatnonzero((mid >= left) & (mid > right) & (mid >= _STRONG))
-    found = []
-    for k in top.tolist():
-        bend = left[k] - 2 * mid[k] + right[k]
-        number = numbers[k + 1] + step * 0.5 * (left[k] - right[k]) / bend
-        found.append(Wave(float(1 / number), float(mid[k]), float(0.5 / (number * length))))
-    return found
+    tops = numbers[1:-1][(mid >= left) & (mid > right) & (mid >= _STRONG)]
+    # Parabolas through the top and its neighbours, from closer and closer, settle it.
+    for apart in (step, step / 16, step / 256):
+        left, mid, right = (spectrum(positions, loads, 1 / (tops + by)) for by in (-apart, 0.0, apart))
+        tops = tops + apart * np.clip(0.5 * (left - right) / (left - 2 * mid + right), -1, 1)
+    shares = spectrum(positions, loads, 1 / tops)
+    return [
+        Wave(1 / number, share, 0.5 / (number * length))
+        for number, share in zip(tops.tolist(), shares.tolist(), strict=True)
+        if shortest <= 1 / number <= longest
+    ]
 
 
 @dataclass(frozen=True)
@@ -89,9 +100,9 @@ class Resonance:
 def resonances(case: Case, slowest: float, fastest: float) -> list[Resonance]:
     """The speeds of resonance between two speeds (m/s) of the train and bridge of a case without sweep.
 
-    They are those of the waves in which a quarter or more of the axles' weight is in step.  A wave shakes
-    mode j the less the shorter it is beside the mode's own, 2 L/j: those that come to less than a tenth of
-    the strongest are left out.
+    They are those of the waves in which 15 % or more of the axles' weight are in step; D, D/2, D/3, ... of
+    equal vehicles of length D are among them.  A wave shakes mode j the less the shorter it is beside the
+    mode's own, 2 L/j: those that come to less than a tenth of the strongest are left out.
     """
     system = build_system(case)
     found = []
@@ -118,7 +129,10 @@ def _loads(system: System, beam: int) -> tuple[Array, Array]:
 
 
 def repeats_after(case: Case) -> tuple[float, ...]:
-    """The ways (m) after which the axles of a train repeat themselves; of one vehicle, first axle to last."""
+    """The ways (m) after which the axles of a train repeat themselves; of one vehicle, first axle to last.
+
+    Of a list of forces it is the longest wave of its spectrum that is strong; none where there is no such.
+    """
     train = case.train
     if isinstance(train, Consist):
         return tuple({group.spacing for group in train.consist if group.count > 1})
@@ -127,6 +141,11 @@ def repeats_after(case: Case) -> tuple[float, ...]:
     if isinstance(train, FullTrain):
         arms = train.geometry
         return (arms.l_b1 + arms.l_w1 + arms.l_b2 + arms.l_w4,)
+    if isinstance(train, MovingLoad):
+        positions, loads = np.array(train.positions), np.array(train.forces)
+        longest = float(positions[-1]) / _OFTEN
+        known = waves(positions, loads, longest / _MOST_WAVES, longest) if longest > 0 else []
+        return tuple(wave.length for wave in known if wave.share >= _REPEATS)[:1]
     return (train.support_distance,) if isinstance(train, RigidBeam) else ()
 
 

