@@ -59,16 +59,18 @@ The values of an axis:
 | form | values |
 | --- | --- |
 | `[20 t, 40 t, 60 t]` | those |
-| `{{from: 2, to: 200, step: 0.5}}` | from the first by steps, the last one included if it lies on the grid |
+| `{{from: 2, to: 200, step: 0.5}}` | from the first by steps, the last one included if it lies on a step; else a warning names what is last |
 | `{{from: 30, to: 60, count: 4}}` | so many, at equal distances |
 | `{{log: {{from: 1, to: 100, count: 5}}}}` | so many, at equal ratios |
-| `{{from: 40, to: 120, step: 4, refine: resonance}}` | `velocity` only: by steps, and more near resonance |
+| `{{from: 40, to: 120, step: 4, refine: resonance}}` | `velocity` only: by steps, the last one included in any case, and more near resonance |
 
 Values that follow from others are those that one would write: `{{from: 20, to: 30, step: 0.1}}` has 20.3,
 the same number as in a list, and from 100 km/h by 10 km/h there is the value of `150 km/h`. They are computed
 exactly and rounded once. The values of a list may stand in any order; results keep it, and reports sort.
 
-A refined velocity also takes `tolerance` (1 %), by how much a peak may still change, and `channels`, those
+Where the last value does not lie on a step, it is left out and a warning names the one before; a refined
+velocity is solved there too. It also takes `tolerance` (1 %), by how much a peak may still change (where that
+is not reached, [`converged`](results.md#where-a-refined-sweep-has-converged) is 0), and `channels`, those
 of the tables that decide (deflection and acceleration of the bridge at mid-span):
 [how speeds are added](../TRAINS.md#speeds-that-a-sweep-finds-itself).
 

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 # The largest i of v = f_j D/i: beyond it a mode swings so often between two bogies that nothing builds up.
 _MOST_PARTS = 6
 # At so many points in each of its lobes, which are 1/length wide, a spectrum is looked at.
-_SAMPLES = 8
+_SAMPLES = 16
 # What share of the weight a wave stands for at least, and its resonance of the strongest one.
 _STRONG, _FELT = 0.15, 0.1
 # A list of forces repeats itself after the longest wave with such a share, if it does so often enough.
@@ -70,7 +70,7 @@ def waves(positions: Array, loads: Array, shortest: float, longest: float) -> li
         return []
     values = spectrum(positions, loads, 1 / numbers)
     left, mid, right = values[:-2], values[1:-1], values[2:]
-    tops = numbers[1:-1][(mid >= left) & (mid > right) & (mid >= _STRONG)]
+    tops = numbers[1:-1][(mid >= left) & (mid > right) & (mid >= 0.9 * _STRONG)]
     # Parabolas through the top and its neighbours, from closer and closer, settle it.
     for apart in (step, step / 16, step / 256):
         left, mid, right = (spectrum(positions, loads, 1 / (tops + by)) for by in (-apart, 0.0, apart))
@@ -79,7 +79,7 @@ def waves(positions: Array, loads: Array, shortest: float, longest: float) -> li
     return [
         Wave(1 / number, share, 0.5 / (number * length))
         for number, share in zip(tops.tolist(), shares.tolist(), strict=True)
-        if shortest <= 1 / number <= longest
+        if share >= _STRONG and shortest <= 1 / number <= longest
     ]
 
 
