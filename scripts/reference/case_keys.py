@@ -59,10 +59,10 @@ The values of an axis:
 | form | values |
 | --- | --- |
 | `[20 t, 40 t, 60 t]` | those |
-| `{{from: 2, to: 200, step: 0.5}}` | from the first by steps, the last one included if it lies on a step; else a warning names what is last |
+| `{{from: 2, to: 200, step: 0.5}}` | from the first by steps, to the last one if it lies on a step |
 | `{{from: 30, to: 60, count: 4}}` | so many, at equal distances |
 | `{{log: {{from: 1, to: 100, count: 5}}}}` | so many, at equal ratios |
-| `{{from: 40, to: 120, step: 4, refine: resonance}}` | `velocity` only: by steps, the last one included in any case, and more near resonance |
+| `{{from: 40, to: 120, step: 4, refine: resonance}}` | `velocity` only: by steps, and more near resonance |
 
 Values that follow from others are those that one would write: `{{from: 20, to: 30, step: 0.1}}` has 20.3,
 the same number as in a list, and from 100 km/h by 10 km/h there is the value of `150 km/h`. They are computed

@@ -36,11 +36,11 @@ A file of several [studies](case.md#studies) has one group per study, named afte
 
 ## Where a refined sweep has converged
 
-With `refine: resonance` the velocity has the speeds that were solved. `/converged` (int8) says of each scenario
-whether the sweep's `tolerance` holds there: 0 at the top of a peak of one of the deciding channels that may still
-change by more, and where nothing is solved (status 0 and 2); 1 everywhere else. The run ends with a line that
-counts such peaks, `tbi info` does so too, and `tbi export` writes a table `converged`. Of an unfinished run it is
-as of the last round of speeds. Other sweeps have no such variable.
+With `refine: resonance` the velocity has the speeds that were solved. `/converged` (int8) says of each
+scenario whether the sweep's `tolerance` holds there: 0 at the top of a peak of one of the deciding channels
+that may still change by more, and where nothing is solved (status 0 and 2); 1 everywhere else. The run ends
+with a line that counts such peaks, `tbi info` does so too, and `tbi export` writes a table `converged`. Of an
+unfinished run it is as of the last round of speeds. Other sweeps have no such variable.
 [How speeds are added](../TRAINS.md#speeds-that-a-sweep-finds-itself).
 
 ## Amplification factors
@@ -61,8 +61,8 @@ bits in every table.
 Each finished batch is at once a file of its own in `RESULTS.h5.parts/`, written under a temporary name,
 synced and renamed. At the end they become `RESULTS.h5` the same way, and the folder is gone. `tbi info`, `tbi
 status`, `tbi report`, `open_results` and `--resume` read the parts where `RESULTS.h5` is not there yet. A
-shard holds full-size tables, with NaN and status 0 outside its part; of a refined sweep, the speeds of its part.
-An attribute `refined` names the axis that may still get more values.
+shard holds full-size tables, with NaN and status 0 outside its part; of a refined sweep, the speeds of its
+part. An attribute `refined` names the axis that may still get more values.
 """
 _GROUPS = {
     "daf": "dynamic amplification factors of the beams",

@@ -257,13 +257,13 @@ def test_stations_in_time_are_the_histories(folder: Path) -> None:
 
 
 def test_a_refined_sweep_that_is_not_finished_has_no_gaps(folder: Path) -> None:
-    """Half of the steps of a refined axis: its curves run through the speeds that were solved."""
+    """Half of the steps of a refined axis: the file has the speeds that were solved, and so have curves."""
     half = Shard(1, 2)
     path = solved(folder, "practice/resonance", "sweep.velocity.from=88", shard=half)
     for study in opened(path):
         values = table(path, "peak/right_midspan")
         known = np.isfinite(values)
-        assert 3 < known.sum() < known.size
+        assert 3 < known.sum() == known.size
         curve = panels(figures(study)["deck"])[0].curves[0]
         np.testing.assert_array_equal(curve.x, table(path, "velocity")[known])
         np.testing.assert_array_equal(curve.y, values[known])
