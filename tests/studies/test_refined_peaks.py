@@ -64,15 +64,20 @@ A9 = written(NINTH, 20, moment(5, 20, 15e3), 15e3, "0.2 %", REFINED % (40, 120, 
 
 @pytest.mark.parametrize(
     ("case", "low", "high", "finest"),
-    [(SIXTEEN, 68, 76, 0.02), (THIRTY, 50, 52, 0.01), (A9, 42, 45.5, 0.02)],
-    ids=["16 forces", "30 forces", "HSLM-A9 near f1 D/3"],
+    [
+        (SIXTEEN, 68, 76, 0.02),
+        (THIRTY, 50, 52, 0.01),
+        (THIRTY.replace("step: 5", "step: 30"), 50, 52, 0.01),
+        (A9, 42, 45.5, 0.02),
+    ],
+    ids=["16 forces", "30 forces", "30 forces by steps that see nothing", "HSLM-A9 near f1 D/3"],
 )
 def test_a_narrow_peak_is_settled(case: str, low: float, high: float, finest: float, tmp_path: Path) -> None:
     """The top of a fine sweep is met to the tolerance, 1 %; such peaks were 2 to 9 % low."""
     channels = (*CHANNELS, "right_midspan_acceleration_low_pass")
     wanted = f"resonance, channels: [{', '.join(channels)}]}}"
     found = solved(tmp_path, case.replace("resonance}", wanted))
-    assert 50 < found["velocity"].size < 800
+    assert 30 < found["velocity"].size < 800
     fine = solved(tmp_path, case, f"sweep={{velocity: {{from: {low}, to: {high}, step: {finest}}}}}")
     for name in channels:
         line = fine[name].values
