@@ -114,6 +114,18 @@ def test_equal_forces_are_in_step_at_whole_parts_of_their_distance() -> None:
     assert waves(np.zeros(1), np.ones(1), 1.0, 20.0) == []
 
 
+def test_lists_of_forces_have_speeds_of_resonance(tmp_path: Path) -> None:
+    """With a tolerance that everything keeps, the steps are solved and each resonance of mode 1, f1 D/i."""
+    found = solved(tmp_path, THIRTY.replace("resonance}", "resonance, tolerance: 100 %}"))
+    speeds = found["velocity"].values
+    for i in (2, 3):
+        speed = 9 * 17 / i
+        # An eighth of the half of a lobe of the spectrum, lambda/length, beside it at most.
+        near = speed / (2 * 29 * i) / 8
+        assert np.abs(speeds - speed).min() <= near * 1.0001
+        assert speeds[np.abs(speeds - speed) <= 8 * near * 1.2].size >= 3
+
+
 # A tolerance that the finest speeds cannot reach; two lines, of which one is settled more easily.
 CLOSE = written(
     forces(30, 17), 12, moment(9, 12, 15e3), 15e3, "0.1 %",
@@ -163,6 +175,22 @@ def test_converged_is_the_same_whatever_the_way(tmp_path: Path) -> None:
         assert not results.converged[results.status == 0].any()
     run(case, Options(tmp_path / "stopped.h5", resume=True))
     assert content(tmp_path / "stopped.h5") == whole
+
+
+def test_a_peak_that_leads_out_of_a_step_belongs_to_every_shard(tmp_path: Path) -> None:
+    """A case in which what one step asks for lies in the next, and a shard's border between them."""
+    seventh = "{model: hslm-a, number: 7}"
+    text = written(seventh, 33.5623, 6.6111665, 11048, "0.308919 %", REFINED % (30, 110, 4))
+    (tmp_path / "case.yaml").write_text(
+        text.replace("modes: 3", "modes: 1").replace("  low_pass: 30 Hz\n", "")
+    )
+    case = load_case(tmp_path / "case.yaml")
+    whole = content(run(case, Options(tmp_path / "whole.h5")).path)
+    paths = [tmp_path / f"{number}.h5" for number in range(1, 9)]
+    for number, path in enumerate(paths, 1):
+        run(case, Options(path, shard=Shard(number, 8)))
+    merge(paths, tmp_path / "joined.h5")
+    assert content(tmp_path / "joined.h5") == whole
 
 
 def test_a_settled_sweep_says_nothing(tmp_path: Path) -> None:
