@@ -70,7 +70,7 @@ A9 = written(NINTH, 20, moment(5, 20, 15e3), 15e3, "0.2 %", REFINED % (40, 120, 
         (THIRTY.replace("step: 5", "step: 30"), 50, 52, 0.01),
         (A9, 42, 45.5, 0.02),
     ],
-    ids=["16 forces", "30 forces", "30 forces by steps that see nothing", "HSLM-A9 near f1 D/3"],
+    ids=["16 forces", "30 forces", "30 forces by long steps", "HSLM-A9 near f1 D/3"],
 )
 def test_a_narrow_peak_is_settled(case: str, low: float, high: float, finest: float, tmp_path: Path) -> None:
     """The top of a fine sweep is met to the tolerance, 1 %; such peaks were 2 to 9 % low."""
