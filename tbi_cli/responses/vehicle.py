@@ -5,7 +5,7 @@ from __future__ import annotations
 from tbi_cli.case import FullTrain, Train
 from tbi_cli.responses.channel import DERIVATIVES, Channel, Signal, derivatives
 from tbi_cli.system.assembly import System
-from tbi_cli.system.trains import BOGIES, SIDES, WHEELSETS
+from tbi_cli.system.trains import BOGIES, SIDES, WHEELSETS, bogie_loads
 
 MOTIONS = {
     "y": "vertical displacement",
@@ -75,11 +75,11 @@ def force_channels(train: Train, system: System, g: float) -> list[Channel]:
     made = [
         Channel("car_body_force", "N", "force on the car body", ((("a", body_y), mass),), offset=mass * g)
     ]
-    weight = (mass + train.front_bogie.mass + train.rear_bogie.mass) * g / 2
-    for bogie, axles in zip(BOGIES, ((0, 1), (2, 3)), strict=True):
+    loads = bogie_loads(train, g)
+    for bogie, axles, load in zip(BOGIES, ((0, 1), (2, 3)), loads, strict=True):
         under = [wheel for wheel, axle in enumerate(system.wheel_axle) if axle in axles]
         terms = tuple((signal, -value) for wheel in under for signal, value in _primary_force(system, wheel))
-        made.append(Channel(f"{bogie}_force", "N", f"force under {_spoken(bogie)}", terms, offset=weight))
+        made.append(Channel(f"{bogie}_force", "N", f"force under {_spoken(bogie)}", terms, offset=load))
     half_inertia = 0.0 if system.unilateral else train.wheelset.mass / 4
     for wheel, (axle, beam) in enumerate(zip(system.wheel_axle, system.wheel_beam, strict=True)):
         pair = [other for other, k in enumerate(system.wheel_axle) if k == axle]

@@ -104,6 +104,19 @@ def axle_loads(train: FullTrain, gravity: float) -> tuple[float, float, float, f
     )
 
 
+def bogie_loads(train: FullTrain, gravity: float) -> tuple[float, float]:
+    """Static force (N) under the front and the rear bogie: Eq. (13b), the car body shared out by moments.
+
+    Half of the weight each, as printed, and half of what one carries more than the other: nothing where both
+    ends are alike.
+    """
+    g = train.geometry
+    bogies = train.front_bogie.mass, train.rear_bogie.mass
+    total = train.car_body.mass + bogies[0] + bogies[1]
+    more = train.car_body.mass * (g.l_b2 - g.l_b1) / (g.l_b1 + g.l_b2) + bogies[0] - bogies[1]
+    return (total + more) * gravity / 2, (total - more) * gravity / 2
+
+
 def paper_load(train: FullTrain, gravity: float) -> float:
     """Eq. (13a) to the letter (N): eight wheelset masses, and four wheels to carry it all."""
     bogies = train.front_bogie.mass + train.rear_bogie.mass

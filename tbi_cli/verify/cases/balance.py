@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from tbi_cli.verify.cases.full_train import changed, text
+from tbi_cli.verify.cases.full_train import LOPSIDED, changed, text
 from tbi_cli.verify.check import Curve, Line, Outcome, Tolerance
 from tbi_cli.verify.references.balance import (
     energy_balance,
@@ -22,12 +22,14 @@ from tbi_cli.verify.references.printed import (
     wheelset_torque,
 )
 from tbi_cli.verify.references.sampled import derivative, pieces, with_modal_rates
+from tbi_cli.verify.references.statics import forces_of_bodies
 from tbi_cli.verify.solved import Solved, Verification
 
 KINDS = {"as printed": False, "convective": True}
 CASES = {
     f"balance-{name.replace(' ', '-')}": text(
-        changed({"contact.convective": convective, "solver.duration": 2.5}), f"Balance laws, {name}"
+        changed({**LOPSIDED, "contact.convective": convective, "solver.duration": 2.5}),
+        f"Balance laws, {name}",
     )
     for name, convective in KINDS.items()
 }
@@ -98,6 +100,8 @@ def _forces(outcome: Outcome, kind: str, crossing: Crossing, t: Array, h: Mappin
     forces, inertia = wheel_force_sum(crossing, h)
     quantity = "sum of the eight wheel forces"
     outcome.history(kind, quantity, "N", forces, inertia, "weight + sum of m r''", ROUNDING)
+    for name, force in forces_of_bodies(crossing.train, crossing.gravity, h).items():
+        outcome.history(kind, name, "N", h[name], force, "Newton and Euler for car body and bogies", ROUNDING)
     under = wheel_points(crossing, t, h)
     residuals = wheel_force_residual(crossing, h, under, t)
     largest = np.array(list(residuals.values()))

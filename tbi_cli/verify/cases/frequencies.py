@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from tbi_cli.verify.assembled import assembled
-from tbi_cli.verify.cases.full_train import CASE, changed, text
+from tbi_cli.verify.cases.full_train import CASE, LOPSIDED, changed, text
 from tbi_cli.verify.check import Curve, Line, Outcome, Tolerance
 from tbi_cli.verify.references.frequencies import (
     TABLE_2_MODE_4,
@@ -35,14 +35,6 @@ output: {{histories: {{channels: [sprung_mass_y]}}}}
 """
 CASES = {"bounce": SPRUNG_MASS}
 STIFF = (1e8, 1e9, 1e10)
-# Unequal ends, so that no error can cancel by symmetry.
-LOPSIDED = {
-    "train.front_bogie": {"mass": 3000.0, "secondary": {"vertical": {"stiffness": 300e3}}},
-    "train.rear_bogie": {"roll_inertia": 2500.0, "primary": {"vertical": {"stiffness": 0.9e6}}},
-    "train.geometry.l_b1": 7.0,
-    "train.geometry.l_w1": 1.5,
-    "train.geometry.l_w4": 0.75,
-}
 EIGEN = "generalised eigenvalues, assembled from Eqs. (1a, b)"
 ROUNDING = Tolerance(
     1e-12, "rounding of an eigenvalue solution: 1e-16 of the largest eigenvalue, some ten times over"

@@ -10,6 +10,7 @@ from tbi_cli.verify.check import Curve, Line, Outcome, Tolerance
 from tbi_cli.verify.references.influence import static_deflection
 from tbi_cli.verify.references.moving_force import critical_speed
 from tbi_cli.verify.references.parameters import Array, Beam, beam_from_mapping, crossing_from_case
+from tbi_cli.verify.references.statics import static_wheel_loads
 from tbi_cli.verify.solved import Solved, Verification
 
 ALPHA = 5e-4
@@ -80,7 +81,7 @@ def compare(solved: Mapping[str, Solved]) -> Outcome:
         h = solved[f"crawling-train-{n}"].history()
         crossing = crossing_from_case(changed({"bridge.modes": n}))
         x = h["time"] * TRAIN_VELOCITY
-        loads = list(crossing.static_wheel_loads)
+        loads = list(static_wheel_loads(crossing))
         distances = list(crossing.train.axle_distances)
         for side, beam in (("right", crossing.right), ("left", crossing.left)):
             w = h[f"{side}_midspan"]

@@ -7,8 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from tbi_cli.verify.cases.full_train import changed, text
-from tbi_cli.verify.cases.whole_crossing import LOPSIDED
+from tbi_cli.verify.cases.full_train import LOPSIDED, changed, text
 from tbi_cli.verify.check import Curve, Line, Outcome, Tolerance, worst_channel
 from tbi_cli.verify.references.crossing import CoupledSystem
 from tbi_cli.verify.references.moving_force import critical_speed, deflection, modal_coordinates

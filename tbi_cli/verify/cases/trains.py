@@ -6,8 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from tbi_cli.verify.cases.full_train import CASE, changed, text
-from tbi_cli.verify.cases.whole_crossing import LOPSIDED
+from tbi_cli.verify.cases.full_train import CASE, LOPSIDED, changed, text
 from tbi_cli.verify.check import Curve, Line, Outcome, Tolerance, worst_channel
 from tbi_cli.verify.references.consist import coach_fronts, consist_channels
 from tbi_cli.verify.references.mixed_row import mixed_row_crossing

@@ -6,21 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from tbi_cli.verify.cases.full_train import changed, text
+from tbi_cli.verify.cases.full_train import LOPSIDED, changed, text
 from tbi_cli.verify.check import Curve, Line, Outcome, Tolerance, worst_channel
 from tbi_cli.verify.references.crossing import crossing_channels
 from tbi_cli.verify.solved import Solved, Verification
 
-LOPSIDED = {
-    "train.front_bogie": {"mass": 3000.0, "secondary": {"vertical": {"stiffness": 300e3, "damping": 25e3}}},
-    "train.rear_bogie": {
-        "roll_inertia": 2500.0,
-        "primary": {"vertical": {"stiffness": 0.9e6, "damping": 12e3}},
-    },
-    "train.geometry.l_b1": 7.0,
-    "train.geometry.l_w1": 1.5,
-    "train.geometry.l_w4": 0.75,
-}
 # Entries and exits fall on samples: multiples of 2.5 m at 50 m/s, of 0.25 m at the other speed.
 KINDS: dict[str, dict[str, object]] = {
     "paper's static load": {"contact.static_load": "paper"},

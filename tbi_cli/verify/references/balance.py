@@ -18,6 +18,7 @@ from tbi_cli.verify.references.energies import COORDINATES, DYNAMIC, train_matri
 from tbi_cli.verify.references.parameters import Array, Crossing
 from tbi_cli.verify.references.printed import wheel_points
 from tbi_cli.verify.references.sampled import pieces, running_integral
+from tbi_cli.verify.references.statics import static_wheel_loads
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ def energy_balance(crossing: Crossing, time: Array, h: Mapping[str, Array]) -> E
             springs = springs + 0.5 * beam.EI * beam.wave_numbers[i] ** 4 * q**2
             dissipation = dissipation + beam.c[i] * q_t**2
 
-    rows, loads = matrices.wheel_rows[:, dynamic], np.tile(crossing.static_wheel_loads, 2)[:, None]
+    rows, loads = matrices.wheel_rows[:, dynamic], np.tile(static_wheel_loads(crossing), 2)[:, None]
     k, c = matrices.wheel_k[:, None], matrices.wheel_c[:, None]
     stored = np.empty(len(time))
     dissipated, driven = np.zeros(len(time)), np.zeros(len(time))

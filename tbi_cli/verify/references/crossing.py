@@ -17,6 +17,7 @@ import numpy as np
 from tbi_cli.verify.references.energies import COORDINATES, DYNAMIC, train_matrices
 from tbi_cli.verify.references.parameters import Array, Crossing, crossing_from_case
 from tbi_cli.verify.references.piecewise import integrate_between_events
+from tbi_cli.verify.references.statics import forces_of_bodies, static_wheel_loads
 
 # An axle this close [m per m of span] to a support counts as on the bridge, so that a sample that falls on
 # an entry or exit up to rounding is read as "0 <= xi <= L" says.
@@ -57,7 +58,7 @@ class CoupledSystem:
         right, left = crossing.right, crossing.left
         self.n = right.n
         self.distances = crossing.train.axle_distances
-        self.static_loads = np.tile(crossing.static_wheel_loads, 2)
+        self.static_loads = np.tile(static_wheel_loads(crossing), 2)
         dynamic = list(DYNAMIC)
         n_train, n_all = len(dynamic), len(dynamic) + 2 * self.n
         beams = slice(n_train, n_all)
@@ -214,7 +215,7 @@ def crossing_channels(case: Mapping[str, Any] | Crossing, times: Array) -> dict[
 def channels_of(system: CoupledSystem, motion: Motion) -> dict[str, Array]:
     """The channels of the results file from a motion of the system: name -> (nt,)."""
     crossing, n = system.crossing, system.n
-    train, g = crossing.train, crossing.gravity
+    train = crossing.train
     out: dict[str, Array] = {}
     middle = system.midspan_shape()
     for suffix, u in (("", motion.u), ("_velocity", motion.u_t), ("_acceleration", motion.u_tt)):
@@ -225,10 +226,7 @@ def channels_of(system: CoupledSystem, motion: Motion) -> dict[str, Array]:
         out[f"{side}_midspan_acceleration"] = middle @ motion.q_tt[modes]
         for suffix, q in (("", motion.q), ("_velocity", motion.q_t), ("_acceleration", motion.q_tt)):
             out |= {f"{side}_mode_{i + 1}{suffix}": row for i, row in enumerate(q[modes])}
-    out["car_body_force"] = train.car_mass * (g + out["car_body_y_acceleration"])
-    f_b = (train.car_mass + train.bogies[0].mass + train.bogies[1].mass) * g / 2
-    out["front_bogie_force"] = f_b - motion.force[[0, 1, 4, 5]].sum(axis=0)
-    out["rear_bogie_force"] = f_b - motion.force[[2, 3, 6, 7]].sum(axis=0)
+    out |= forces_of_bodies(train, crossing.gravity, out)
     for side, first in (("right", 0), ("left", 4)):
         for k in range(4):
             inertia = train.wheelset_mass * out[f"wheelset_{k + 1}_y_acceleration"] / 2

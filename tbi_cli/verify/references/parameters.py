@@ -111,27 +111,6 @@ class Crossing:
     convective: bool = False
     gravity: float = STANDARD_GRAVITY
 
-    @property
-    def static_wheel_loads(self) -> Array:
-        """(4,) static load f_g [N] of one wheel of each axle, in either reading of Eq. (13a)."""
-        t, g = self.train, self.gravity
-        if self.static_load == "paper":
-            weight = t.car_mass + t.bogies[0].mass + t.bogies[1].mass + 8 * t.wheelset_mass
-            return np.full(4, weight * g / 4)
-        (l_b1, l_b2), (l_w1, l_w2, l_w3, l_w4) = t.l_b, t.l_w
-        on_front = t.car_mass * l_b2 / (l_b1 + l_b2) + t.bogies[0].mass
-        on_rear = t.car_mass * l_b1 / (l_b1 + l_b2) + t.bogies[1].mass
-        axles = np.array(
-            [
-                on_front * l_w2 / (l_w1 + l_w2),
-                on_front * l_w1 / (l_w1 + l_w2),
-                on_rear * l_w4 / (l_w3 + l_w4),
-                on_rear * l_w3 / (l_w3 + l_w4),
-            ]
-        )
-        loads: Array = (axles + t.wheelset_mass) * g / 2
-        return loads
-
 
 def crossing_from_case(case: Mapping[str, Any]) -> Crossing:
     """The crossing that a case describes: a mapping with the keys of the case file, every number SI."""

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tbi_cli.verify.references.parameters import Array, Beam, Crossing
+from tbi_cli.verify.references.statics import static_wheel_loads
 
 SIDES = ("right", "left")
 
@@ -131,7 +132,7 @@ def beam_residual(
     d = train.d
     rate = _beam_rate(crossing, under)
     xi = np.subtract.outer(-train.axle_distances, -crossing.velocity * time)
-    loads = crossing.static_wheel_loads
+    loads = static_wheel_loads(crossing)
     beams: tuple[Beam, Beam] = (crossing.right, crossing.left)
     for s, (side, beam) in enumerate(zip(SIDES, beams, strict=True)):
         sign = -1.0 if side == "right" else 1.0

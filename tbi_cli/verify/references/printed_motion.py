@@ -12,6 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from tbi_cli.verify.references.parameters import Crossing
+from tbi_cli.verify.references.statics import static_wheel_loads
 
 
 def printed_accelerations(crossing: Crossing, time: float, x: Mapping[str, float]) -> dict[str, float]:
@@ -23,6 +24,7 @@ def printed_accelerations(crossing: Crossing, time: float, x: Mapping[str, float
     l_b1, l_b2 = t.l_b
     l_w = t.l_w
     d, a = t.d, t.a
+    loads = static_wheel_loads(crossing)
     n, L, v = crossing.right.n, crossing.right.length, crossing.velocity
     front, rear = t.bogies
 
@@ -119,6 +121,6 @@ def printed_accelerations(crossing: Crossing, time: float, x: Mapping[str, float
                 s_t = rate(f"{end}_y") - phi_q_t[k, side] + rate(f"{end}_pitch") * arm
                 s_t += sign * d * (rate(wheel) - rate(f"{end}_roll"))
                 spring = bogie.primary_vertical
-                total += phi[k][i] / N * (spring.c * s_t + spring.k * s - crossing.static_wheel_loads[k])
+                total += phi[k][i] / N * (spring.c * s_t + spring.k * s - loads[k])
             out[f"{side}_mode_{i + 1}"] = float(total)
     return out

@@ -24,6 +24,7 @@ from tbi_cli.verify.references.energies import COORDINATES, KINEMATIC, train_mat
 from tbi_cli.verify.references.parameters import STANDARD_GRAVITY, Array, Beam, Crossing, crossing_from_case
 from tbi_cli.verify.references.rail_shapes import BESIDE, LEVEL, Rail
 from tbi_cli.verify.references.simple_vehicles import SprungMass
+from tbi_cli.verify.references.statics import forces_of_bodies, static_wheel_loads
 
 RELATIVE, ABSOLUTE = 1e-10, 1e-14
 
@@ -110,7 +111,7 @@ class HertzSystem:
         self.crossing, self.spring, self.rails = crossing, spring, rails
         matrices, n = train_matrices(crossing.train), crossing.right.n
         self.n, self.distances = n, crossing.train.axle_distances
-        self.loads = np.tile(crossing.static_wheel_loads, 2)
+        self.loads = np.tile(static_wheel_loads(crossing), 2)
         # The primary springs now stand on the wheelsets: less their own y.
         rows = matrices.wheel_rows.copy()
         for wheel in range(8):
@@ -243,6 +244,7 @@ def hertz_channels(
             middle = math.sqrt(2 / beam.length) * np.sin(np.arange(1, system.n + 1) * math.pi / 2)
             modes = u[len(COORDINATES) + first : len(COORDINATES) + first + system.n]
             out[f"{side}_midspan{suffix}"] = middle @ modes
+    out |= forces_of_bodies(crossing.train, crossing.gravity, out)
     for wheel in range(8):
         name = f"wheel_{wheel % 4 + 1}_{'right' if wheel < 4 else 'left'}"
         out[f"{name}_force"] = forces[wheel]
