@@ -167,7 +167,7 @@ class Bridge(Part):
     low_pass: Annotated[
         float | Literal["none", "en-1990"],
         Quantity(
-            "cut-off of the low-passed accelerations; en-1990: 30 Hz, 1.5 f1 or f3, the largest",
+            "cut-off of the low-passed accelerations; en-1990: 1.5 times the largest of 30 Hz, 1.5 f1, f3",
             FREQUENCY,
             "30 Hz",
             usual=(5, 200),

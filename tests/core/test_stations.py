@@ -12,7 +12,7 @@ from scipy.signal import butter, sosfilt
 from tbi_cli.solve import Solver
 from tbi_cli.verify.references.moving_force import modal_coordinates
 from tbi_cli.verify.references.parameters import Beam, beam_from_mapping
-from tbi_cli.verify.references.stations import moment_and_shear
+from tbi_cli.verify.references.stations import modal_shares, moment_and_shear
 from tests.core.crossings import Histories, case_from, histories, paper, tables
 
 TEXT = """
@@ -169,16 +169,52 @@ def test_low_pass_of_both_beams() -> None:
     )
     h = histories(case)
     cuts = {
-        side: max(30.0, 9 * np.pi / (2 * 15**2) * np.sqrt(EI / mu))
+        side: 1.5 * max(30.0, 9 * np.pi / (2 * 15**2) * np.sqrt(EI / mu))
         for side, EI, mu in (("right", 207e9 * 0.2, 20e3), ("left", 200e9 * 0.2, 18e3))
     }
-    assert min(cuts.values()) > 30 and cuts["left"] > 1.03 * cuts["right"]
+    assert min(cuts.values()) > 45 and cuts["left"] > 1.03 * cuts["right"]
     for side, cut_off in cuts.items():
         for place in ("midspan", "station_1"):
             y = h[f"{side}_{place}_acceleration"]
             expected = low_passed(y, cut_off, 5e-4)
             found = h[f"{side}_{place}_acceleration_low_pass"]
             assert np.abs(found - expected).max() < 1e-12 * np.abs(y).max()
+
+
+@pytest.mark.parametrize(("length", "first"), [(11.0, 7.3), (23.0, 2.1)], ids=["f3", "30 Hz"])
+def test_what_en_1990_counts_passes(length: float, first: float) -> None:
+    """At mid-span and at L/6, where the third mode is largest: 98 % of every mode up to the limit.
+
+    Measured while the beam swings freely, behind the forces.
+    1 - 1/sqrt(1 + 1.5^-8) = 1.9 % of what is at the limit is lost.  Fits of undamped free vibration are exact
+    but for rounding and what is left of the filter's own ringing.
+    """
+    inertia = 9e3 / 32e9 * (2 * length**2 * first / np.pi) ** 2
+    beam_text = f"{{youngs_modulus: 32e9, second_moment: {inertia}, mass_per_length: 9e3, damping: 0}}"
+    case = paper(
+        "train={model: axle-forces, forces: [170 kN, 90 kN, 210 kN], positions: [0, 2.3, 9.7]}",
+        f"bridge={{length: {length}, modes: 6, right: {beam_text}}}",
+        "bridge.low_pass=en-1990",
+        "bridge.stations={fractions: [0.16666666666666667]}",
+        "contact={model: paper}",
+        "velocity=61",
+        "solver={method: exact, sampling: 2e-4, duration: 2}",
+        "output.histories=all",
+    )
+    h = histories(case)
+    beam = beam_from_mapping(case.resolved()["bridge"]["right"], length, 6)
+    limit = max(30.0, 9 * first)
+    free = h["time"] > 1.2 * (length + 9.7) / 61
+    for place, modes in (("midspan", [1, 3, 5]), ("station_1", [1, 2, 3, 4, 5])):
+        y = h[f"right_{place}_acceleration"]
+        seen = np.isin(np.arange(1, 7), modes)
+        shares = modal_shares(
+            h[f"right_{place}_acceleration_low_pass"][free], y[free], beam, seen, h["time"][free]
+        )
+        hertz = np.array(modes) ** 2 * first
+        warped = np.tan(np.pi * hertz * 2e-4) / np.tan(np.pi * 1.5 * limit * 2e-4)
+        assert shares == pytest.approx(1 / np.sqrt(1 + warped**8), rel=1e-6), place
+        assert (shares[hertz <= limit] > 0.98).all(), place
 
 
 @pytest.mark.parametrize("cut_off", [8.0, 30.0, 120.0])

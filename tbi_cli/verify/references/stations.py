@@ -42,10 +42,27 @@ def moment_and_shear(beam: Beam, x: float, q: Array, forces: Array, places: Arra
     return moment, shear
 
 
-def en_1990_cut_off(beam: Beam) -> float:
-    """EN 1990, A2.4.4.2.1 (4): the largest of 30 Hz, 1.5 f1 and f3 [Hz]."""
-    f1 = float(beam.omega[0]) / (2 * math.pi)
-    return max(30.0, 1.5 * f1, 9 * f1)
+def counted_by_en_1990(beam: Beam) -> float:
+    """EN 1990, A2.4.4.2.1 (4): the largest of 30 Hz, 1.5 f1 and f3 [Hz]; the beam has three modes."""
+    f1, _, f3 = beam.omega[:3] / (2 * math.pi)
+    return max(30.0, 1.5 * float(f1), float(f3))
+
+
+def modal_shares(y: Array, x: Array, beam: Beam, modes: Array, times: Array) -> Array:
+    """How much of the free vibration of some modes (n, of bool) in x (nt,) is in y (nt,), mode by mode.
+
+    Both are fitted by decaying cosines and sines of the beam's natural frequencies, over times [s] (nt,).
+    """
+    decay = (beam.c / (2 * beam.mu))[modes]
+    damped = np.sqrt(beam.omega[modes] ** 2 - decay**2)
+    swing = np.exp((-decay + 1j * damped) * (times - times[0])[:, None])
+    basis = np.hstack([swing.real, swing.imag])
+    sizes = []
+    for signal in (y, x):
+        found = np.linalg.lstsq(basis, signal, rcond=None)[0]
+        sizes.append(np.hypot(*np.split(found, 2)))
+    shares: Array = sizes[0] / sizes[1]
+    return shares
 
 
 def low_passed(y: Array, cut_off: float, interval: float) -> Array:
