@@ -25,9 +25,10 @@ from tbi_cli.case.train import VEHICLES
 
 Finding = tuple[str, str]
 _MOST_CORNERS = 10_000
-_GEOMETRY = re.compile(r"train\..*(geometry\.|spacing|support_distance|positions\.)")
+_GEOMETRY = re.compile(r"train\..*(geometry\.|spacing|overhang|support_distance|positions\.)")
 _TRACK = re.compile(
-    r"track\.(?!.*\.seed)|bridge\.length|solver\.duration|train\..*(geometry\.|spacing|support_distance)"
+    r"track\.(?!.*\.seed)|bridge\.length|solver\.duration"
+    r"|train\..*(geometry\.|spacing|overhang|support_distance)"
 )
 FORCES = [model for model, part in VEHICLES.items() if issubclass(part, MovingLoad | HslmA)]
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tbi_cli.batch import build_batch
-from tbi_cli.case import load_case
+from tbi_cli.case import Consist, load_case
 from tbi_cli.solve import Solver
 from tbi_cli.system.assembly import System, build_system, equal_coaches
 from tbi_cli.timegrid import fastest_rate
@@ -184,21 +184,57 @@ def test_equal_vehicles_share_their_matrices(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "lengths"),
-    [("velaro-e-8", [25.835] + 6 * [24.775] + [25.835]), ("crh380al-16", [26.5] + 14 * [25.0] + [26.5])],
+    ("name", "car", "pitch", "count", "noses"),
+    [
+        ("velaro-e-8", (0, 2.5, 17.375, 19.875), 24.775, 8, (3.51, 200.32)),
+        ("crh380al-16", (0, 2.5, 17.5, 20), 25.0, 16, (4.0, 403.0)),
+    ],
 )
-def test_the_shipped_trains(name: str, lengths: list[float]) -> None:
-    """Couplers meet, and the four axles of each car stand in the middle of it; 200 m and 403 m in all."""
-    system = build_system(paper(*train(f"trains/{name}.yaml")))
-    assert len(system.coaches) == len(lengths)
-    assert sum(lengths) == pytest.approx({"velaro-e-8": 200.32, "crh380al-16": 403.0}[name])
-    couplers = np.concatenate([[0.0], np.cumsum(lengths)])
-    offsets = system.axle_offsets.reshape(len(lengths), 4)
-    middles = offsets.mean(axis=1)
-    expected = (couplers[1:] + couplers[:-1]) / 2
-    assert np.allclose(middles - middles[0], expected - expected[0])
-    assert np.allclose(offsets - offsets[:, :1], offsets[0] - offsets[0, 0])
-    assert (np.diff(system.axle_offsets) > 2.0).all()
+def test_the_shipped_trains(
+    name: str, car: tuple[float, ...], pitch: float, count: int, noses: tuple[float, float]
+) -> None:
+    """The public axle lists: every car a pitch behind the one before, end cars too; noses stand out."""
+    case = paper(*train(f"trains/{name}.yaml"))
+    offsets = [pitch * k + x for k in range(count) for x in car]
+    assert build_system(case).axle_offsets == pytest.approx(offsets, abs=1e-9)
+    assert isinstance(case.train, Consist)
+    first, last = case.train.consist[0], case.train.consist[-1]
+    nose, length = noses
+    assert (first.front_overhang, last.rear_overhang) == (nose, nose)
+    assert offsets[-1] + 2 * nose == pytest.approx(length)
+    assert sum(group.count * group.spacing for group in case.train.consist) == pytest.approx(length)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_couplers_meet(seed: int) -> None:
+    """Random cars, their places given in each of the ways: what is between axles is two overhangs."""
+    draw = np.random.default_rng(seed)
+    groups, axle, expected, behind = [], 0.0, [], 0.0
+    for number in range(int(draw.integers(2, 6))):
+        distance, count = round(draw.uniform(4, 18), 3), int(draw.integers(1, 4))
+        front, rear = round(draw.uniform(0, 6), 3), round(draw.uniform(0.1, 6), 3)
+        whole = f"spacing: {front + distance + rear!r}"
+        ways = {
+            "overhangs": f"front_overhang: {front}, rear_overhang: {rear}",
+            "front": f"front_overhang: {front}, {whole}",
+            "rear": f"rear_overhang: {rear}, {whole}",
+            "all": f"front_overhang: {front}, rear_overhang: {rear}, {whole}",
+            "middle": f"spacing: {distance + 2 * rear!r}",
+        }
+        way = str(draw.choice(list(ways)))
+        front = rear if way == "middle" else front
+        rigid = f"model: rigid-beam, mass: 30 t, pitch_inertia: 1e6, support_distance: {distance}"
+        vehicle = f"{{{rigid}, stiffness: 4e6, damping: 0}}"
+        groups.append(f"{{vehicle: {vehicle}, count: {count}, {ways[way]}}}")
+        for k in range(count):
+            axle = behind + front if number or k else 0.0
+            expected += [axle, axle + distance]
+            behind = axle + distance + rear
+    case = load_case(
+        "paper/verification-2",
+        overrides=(f"train={{model: consist, consist: [{', '.join(groups)}]}}", "contact={model: paper}"),
+    )
+    assert build_system(case).axle_offsets == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_train_far_from_resonance_is_no_more_than_its_cars(tmp_path: Path) -> None:

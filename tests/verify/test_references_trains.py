@@ -70,7 +70,15 @@ def test_a_far_coach_on_a_bridge_at_rest_crosses_alone() -> None:
 
 def test_couplers_meet() -> None:
     """Half of 30 m less 20 m stands out behind the first, half of 25 m less 20 m before the second."""
-    assert coach_fronts([30.0, 25.0, 25.0], [20.0, 20.0, 15.0]) == [0.0, 27.5, 55.0]
+    assert coach_fronts(
+        [
+            {"spacing": 30},
+            {"spacing": 25},
+            {"front_overhang": 1, "spacing": 25},
+            {"rear_overhang": 3, "spacing": 25},
+        ],
+        [20.0, 20.0, 15.0, 15.0],
+    ) == [0.0, 27.5, 51.0, 82.0]
 
 
 def test_a_row_of_one_vehicle_is_that_vehicle() -> None:

@@ -19,8 +19,8 @@ CAR, OTHER = CASE["train"], changed(LOPSIDED)["train"]
 SOLVER = {"method": "rk4", "sampling": 2.5e-3, "substeps": 8, "duration": 1.1}
 TWO = {
     "consist": [
-        {"vehicle": CAR, "spacing": 25.0},
-        {"vehicle": OTHER, "spacing": 26.0},
+        {"vehicle": CAR, "front_overhang": 3.5, "rear_overhang": 1.5},
+        {"vehicle": OTHER, "spacing": 26.0, "rear_overhang": 2.5},
     ]
 }
 ONE = {"consist": [{"vehicle": CAR, "spacing": 25.0}]}
@@ -31,11 +31,11 @@ BEAM = {"youngs_modulus": 30e9, "second_moment": 2.0, "mass_per_length": 12e3, "
 SPRUNG = SprungMass(8e3, 2e6, 2e4)
 RIGID = RigidBeam(30e3, 0.8e6, 12.0, 4e6, 1e5)
 FORCE = 150e3
-GROUPS: tuple[tuple[SprungMass | RigidBeam | float, int, float], ...] = (
-    (SPRUNG, 2, 4.0),
-    (RIGID, 1, 18.0),
-    (FORCE, 2, 6.0),
-    (SPRUNG, 1, 4.0),
+GROUPS: tuple[tuple[SprungMass | RigidBeam | float, int, dict[str, float]], ...] = (
+    (SPRUNG, 2, {"spacing": 4.0}),
+    (RIGID, 1, {"front_overhang": 4.5, "rear_overhang": 1.5}),
+    (FORCE, 2, {"front_overhang": 1.0, "spacing": 6.0}),
+    (SPRUNG, 1, {"spacing": 4.0}),
 )
 
 
@@ -52,7 +52,7 @@ def _mapping(vehicle: SprungMass | RigidBeam | float) -> dict[str, object]:
 
 MIXED = {
     "train": {
-        "consist": [{"vehicle": _mapping(v), "count": count, "spacing": s} for v, count, s in GROUPS],
+        "consist": [{"vehicle": _mapping(v), "count": count, **place} for v, count, place in GROUPS],
     },
     "bridge": {"length": LENGTH, "modes": 4, "right": BEAM},
     "velocity": VELOCITY,
@@ -133,9 +133,9 @@ def _extremes(outcome: Outcome, solved: Solved) -> None:
 
 def _simple(outcome: Outcome, h: dict[str, Array]) -> None:
     vehicles = [vehicle for vehicle, count, _ in GROUPS for _ in range(count)]
-    lengths = [length for _, count, length in GROUPS for _ in range(count)]
+    places = [place for _, count, place in GROUPS for _ in range(count)]
     wheelbases = [v.distance if isinstance(v, RigidBeam) else 0.0 for v in vehicles]
-    fronts = coach_fronts(lengths, wheelbases)
+    fronts = coach_fronts(places, wheelbases)
     beam = beam_from_mapping(BEAM, LENGTH, 4)
     reference = mixed_row_crossing(beam, vehicles, fronts, VELOCITY, h["time"])
     for name in ("right_midspan", "coach_2_sprung_mass_y", "coach_3_beam_pitch", "coach_6_sprung_mass_y"):

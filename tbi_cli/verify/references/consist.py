@@ -17,14 +17,29 @@ from tbi_cli.verify.references.parameters import Array, crossing_from_case
 from tbi_cli.verify.references.piecewise import integrate_between_events
 
 
-def coach_fronts(lengths: Sequence[float], wheelbases: Sequence[float]) -> list[float]:
-    """Distance (m) of each coach's first axle behind the train's.
+def coach_fronts(groups: Sequence[Mapping[str, Any]], wheelbases: Sequence[float]) -> list[float]:
+    """Distance (m) of each coach's first axle behind the train's, one group of the case file for each.
 
-    Coaches of some lengths over their couplers touch there, their axles in the middle of each.
+    Walks along the train, from a first axle to the last one, to the coupler, to the next first axle.
     """
-    couplers = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
-    first = couplers + (np.array(lengths) - np.array(wheelbases)) / 2
-    return [float(place - first[0]) for place in first]
+    fronts, place = [], 0.0
+    for group, wheelbase in zip(groups, wheelbases, strict=True):
+        ahead, behind = _overhangs(group, wheelbase)
+        place += ahead
+        fronts.append(place)
+        place += wheelbase + behind
+    return [front - fronts[0] for front in fronts]
+
+
+def _overhangs(group: Mapping[str, Any], wheelbase: float) -> tuple[float, float]:
+    """From the coupler to the first axle, and from the last one to the coupler (m)."""
+    given = {key: float(group[key]) for key in ("front_overhang", "rear_overhang", "spacing") if key in group}
+    if len(given) > 1:
+        front = given.get(
+            "front_overhang", given.get("spacing", 0.0) - wheelbase - given.get("rear_overhang", 0.0)
+        )
+        return front, given.get("rear_overhang", given.get("spacing", 0.0) - wheelbase - front)
+    return (given["spacing"] - wheelbase) / 2, (given["spacing"] - wheelbase) / 2
 
 
 class ConsistSystem:
@@ -34,7 +49,7 @@ class ConsistSystem:
         groups = [group for group in case["train"]["consist"] for _ in range(int(group.get("count", 1)))]
         self.coaches = [CoupledSystem(crossing_from_case({**case, "train": g["vehicle"]})) for g in groups]
         wheelbases = [float(coach.distances[-1]) for coach in self.coaches]
-        self.fronts = coach_fronts([float(group["spacing"]) for group in groups], wheelbases)
+        self.fronts = coach_fronts(groups, wheelbases)
         first = self.coaches[0]
         self.velocity, self.n, self.own = first.crossing.velocity, first.n, first.n_train
         self.beams = slice(self.own * len(self.coaches), self.own * len(self.coaches) + 2 * self.n)
