@@ -3,6 +3,7 @@
     python scripts/fuzz.py --count 100000             mutations of the built-in cases, drawn by hypothesis
     python scripts/fuzz.py --engine atheris --count N  bytes, guided by coverage (pip install atheris)
     python scripts/fuzz.py --tables --count 10000     tables of axles and rails, whole and broken
+    python scripts/fuzz.py --engine ends              every key at its ends, solved where that is short
 
 Ends with exit code 1, and the input that did it, when a file brings an exception other than CaseError, a
 message with control characters, a case that does not survive a round trip, or takes longer than 10 seconds
@@ -13,9 +14,11 @@ one is not read, or a broken one brings more than two messages.
 from __future__ import annotations
 
 import argparse
+import random
 import signal
 import sys
 import tempfile
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -216,16 +219,35 @@ def with_atheris(folder: Path, count: int, start: int) -> None:
     atheris.Fuzz()
 
 
+def with_ends(folder: Path, count: int, start: int) -> None:
+    """Every key at its ends; of more of them than `count` some, drawn."""
+    from fuzzing.ends import check_ends, trials
+
+    every = list(trials())
+    chosen = every if count >= len(every) else random.Random(start).sample(every, count)
+    found: Counter[str] = Counter()
+    for base, override in chosen:
+        try:
+            with time_limit():
+                found[check_ends(folder, base, override)] += 1
+        except Exception:
+            print(f"{base}: --set '{override}'", file=sys.stderr)
+            raise
+    print(f"{len(chosen)} of {len(every)} ends: {', '.join(f'{n} {what}' for what, n in found.items())}")
+
+
+ENGINES = {"hypothesis": with_hypothesis, "atheris": with_atheris, "ends": with_ends}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--count", type=int, default=10_000, help="how many inputs (default: 10000)")
     parser.add_argument("--seed", type=int, default=1, help="another seed, other inputs (default: 1)")
-    parser.add_argument("--engine", choices=("hypothesis", "atheris"), default="hypothesis")
+    parser.add_argument("--engine", choices=ENGINES, default="hypothesis")
     parser.add_argument("--tables", action="store_true", help="tables of axles and rails")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        engine = with_atheris if arguments.engine == "atheris" else with_hypothesis
-        engine = of_tables if arguments.tables else engine
+        engine = of_tables if arguments.tables else ENGINES[arguments.engine]
         engine(Path(folder), arguments.count, arguments.seed)
 
 

@@ -116,7 +116,7 @@ def costs_of(
             at = scenarios.describe(index)
             raise PlanError(f"{error.key}{f' at {at}' if at else ''}: {error}") from None
         costs.steps[index] = grid.steps
-        stride = 1 if every is None else max(1, round(every / grid.sampling))
+        stride = 1 if every is None else grid.stride
         columns = history_channels + 1 if history_channels else 0  # the times are one more
         costs.sizes[index] = 8 * columns * (grid.last // stride + 1)
         key = (case.bridge.modes, grid.substeps, pace.shape)

@@ -81,7 +81,7 @@ class Solver:
         columns = [self._columns(channels, place, channel.name) for channel in self.tables]
         reduced_ones = sorted({c for column in columns for c in column})
         batch = build_batch(crossers, reduced_ones, [place[channel.name] for channel in kept])
-        every = np.array([self._stride(c) for c in crossers]) if self.histories else None
+        every = np.array([c.grid.stride for c in crossers]) if self.histories else None
         begin = time.perf_counter()
         try:
             reduced = integrate(
@@ -105,11 +105,6 @@ class Solver:
         if name not in place:
             return []
         return [place[member] for member in channels[place[name]].members or (name,)]
-
-    def _stride(self, crosser: Crosser) -> int:
-        """How many sampling intervals lie between two samples of a history."""
-        every = self.case.output.histories.every
-        return 1 if every is None else max(1, round(every / crosser.grid.sampling))
 
     def _result(
         self,
@@ -141,7 +136,7 @@ class Solver:
             case_steps=steps,
             histories={
                 int(indices[i]): self._history(
-                    values, kept, crossers[i].grid.start, self._stride(crossers[i]) * sampling[i]
+                    values, kept, crossers[i].grid.start, crossers[i].grid.stride * sampling[i]
                 )
                 for i, values in reduced.histories.items()
                 if not failed[i]
@@ -149,7 +144,10 @@ class Solver:
         )
 
     def _amplification(self, peak: Array, crossers: Sequence[Crosser]) -> dict[str, Array]:
-        """The dynamic amplification factors of section 3.6 and of model.md, by beam."""
+        """The dynamic amplification factors of section 3.6 and of model.md, by beam.
+
+        NaN of a beam on which nothing presses at rest: there is nothing to be amplified.
+        """
         factors: dict[str, Array] = {}
         names = [channel.name for channel in self.tables]
         system = crossers[0].model.system
@@ -159,8 +157,10 @@ class Solver:
             for crosser in crossers:
                 s = crosser.model.system
                 weights.append(s.beams[b].static_deflection(float(s.wheel_load[s.wheel_beam == b].sum())))
-            factors[side] = deflection / np.array(weights)
-            factors[f"{side}_static"] = deflection / np.array([c.model.crawling[b] for c in crossers])
+            crawling = [crosser.model.crawling[b] for crosser in crossers]
+            for name, static in ((side, np.array(weights)), (f"{side}_static", np.array(crawling))):
+                nothing = np.full(len(deflection), np.nan)
+                factors[name] = np.divide(deflection, static, out=nothing, where=static != 0)
         return factors
 
     def _history(self, values: Array, kept: Sequence[Channel], start: float, interval: float) -> History:

@@ -52,13 +52,15 @@ class TooManyStepsError(TimeGridError):
 class TimeGrid:
     """Samples at t = start, start + sampling, .., `last` of them after the first.
 
-    Between two samples there are `substeps` Runge-Kutta steps of length h.  The first axle enters at t = 0.
+    Between two samples there are `substeps` Runge-Kutta steps of length h.  A history keeps the first sample
+    and every `stride`th from it.  The first axle enters at t = 0.
     """
 
     sampling: float
     substeps: int
     last: int
     start: float = 0.0
+    stride: int = 1
 
     @property
     def h(self) -> float:
@@ -125,6 +127,10 @@ def time_grid(case: Case, pace: Pace) -> TimeGrid:
                 f"{pace.cut_off:.4g} Hz (bridge.low_pass), got {case.solver.sampling:.4g} s"
             )
     sampling = fine if case.solver.sampling == "auto" else case.solver.sampling
+    every = case.output.histories.every
+    if case.solver.sampling == "auto" and every is not None:
+        # The samples that a history keeps are `every` apart, so that many whole intervals make one of it.
+        sampling = every / math.ceil(every / fine * (1 - 1e-12))
     if case.solver.method == "exact":
         substeps = 1
     elif case.solver.substeps == "auto":
@@ -140,7 +146,9 @@ def time_grid(case: Case, pace: Pace) -> TimeGrid:
             f"expected at most {_MOST_STEPS:.0e} steps in one scenario, got {float(last):.3g} samples of "
             f"{sampling:.3g} s with {float(substeps):.3g} steps in each"
         )
-    return TimeGrid(sampling, substeps, last, 0.0 - approach)
+    # One that is longer than the window keeps the first sample alone.
+    stride = 1 if every is None else round(min(every / sampling, float(last + 1)))
+    return TimeGrid(sampling, substeps, last, 0.0 - approach, max(stride, 1))
 
 
 def contact_rate(system: System) -> float:

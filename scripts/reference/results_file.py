@@ -47,7 +47,7 @@ unfinished run it is as of the last round of speeds. Other sweeps have no such v
 
 {daf}
 They are defined in the [theory](../theory.md#dynamic-amplification-factors). Trains on one beam have the
-right ones only.
+right ones only. NaN stands for a beam on which nothing presses at rest, as with `gravity: 0`.
 
 ## Root attributes
 

@@ -26,6 +26,9 @@ from tbi_cli.case.train import VEHICLES
 Finding = tuple[str, str]
 _MOST_CORNERS = 10_000
 _GEOMETRY = re.compile(r"train\..*(geometry\.|spacing|overhang|support_distance|positions\.)")
+_WINDOW = re.compile(
+    r"velocity|bridge\.length|solver\.duration|track\.approach|train\..*(geometry|spacing|overhang|count)"
+)
 _TRACK = re.compile(
     r"track\.(?!.*\.seed)|bridge\.length|solver\.duration"
     r"|train\..*(geometry\.|spacing|overhang|support_distance)"
@@ -214,6 +217,7 @@ def oddities(case: Case, axes: tuple[Axis, ...], has_unit: Callable[[str], bool]
             if said:
                 yield key, said
     yield from _odd_damping(case, bridge_is_odd)
+    yield from _odd_interval(case, axes)
     if isinstance(case.train, MovingLoad):
         yield from ((f"train.{key}", text) for key, text in case.train.oddities())
     if case.track is not None:
@@ -256,3 +260,16 @@ def _odd_damping(case: Case, bridge_is_odd: bool) -> Iterator[Finding]:
                 key,
                 f"{100 * ratio:.3g} % of critical in the first mode is outside the usual {low} to {high} %",
             )
+
+
+def _odd_interval(case: Case, axes: tuple[Axis, ...]) -> Iterator[Finding]:
+    """An interval of stored samples that is longer than the shortest window."""
+    every = case.output.histories.every
+    if every is None:
+        return
+    points = [point for point, _ in _corners(case, axes, _WINDOW)] or [case]
+    shortest = min(points, key=lambda point: point.window)
+    if every > shortest.window:
+        text = f"{plain_number(every)} s is longer than the {shortest.window:.4g} s"
+        where = f"of a crossing at {plain_number(shortest.velocity)} m/s"
+        yield "output.histories.every", f"{text} {where}: its history holds nothing but its first sample"

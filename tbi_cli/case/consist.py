@@ -18,6 +18,16 @@ MOST_VEHICLES = 200
 Vehicle = FullTrain | SprungMass | RigidBeam | MovingLoad | AxleForces | HslmA
 
 
+def wheelbase_of(vehicle: Vehicle) -> float:
+    """Distance (m) from the first axle of a vehicle to its last."""
+    if isinstance(vehicle, FullTrain):
+        arms = vehicle.geometry
+        return arms.l_b1 + arms.l_w1 + arms.l_b2 + arms.l_w4
+    if isinstance(vehicle, RigidBeam):
+        return vehicle.support_distance
+    return 0.0 if isinstance(vehicle, SprungMass) else vehicle.positions[-1] - vehicle.positions[0]
+
+
 def _overhang(which: str) -> Quantity:
     text = f"from the {which} axle of one vehicle to its coupler there; half of the rest of spacing"
     return Quantity(text, LENGTH, "2.5 m", "not negative", usual=(0.5, 10))
@@ -43,15 +53,7 @@ class Vehicles(Part):
     @property
     def wheelbase(self) -> float:
         """Distance (m) from the first axle to the last of one vehicle."""
-        vehicle = self.vehicle
-        if isinstance(vehicle, FullTrain):
-            arms = vehicle.geometry
-            return arms.l_b1 + arms.l_w1 + arms.l_b2 + arms.l_w4
-        if isinstance(vehicle, RigidBeam):
-            return vehicle.support_distance
-        if isinstance(vehicle, SprungMass):
-            return 0.0
-        return vehicle.positions[-1] - vehicle.positions[0]
+        return wheelbase_of(self.vehicle)
 
     @property
     def overhangs(self) -> tuple[float, float]:
@@ -151,3 +153,8 @@ class Consist(Part):
             found.append(tuple(first + k * group.spacing for k in range(group.count)))
             coupler += group.count * group.spacing
         return tuple(found)
+
+    @property
+    def wheelbase(self) -> float:
+        """Distance (m) from the first axle of the train to its last."""
+        return self.fronts[-1][-1] + self.consist[-1].wheelbase

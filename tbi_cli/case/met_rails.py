@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tbi_cli.case.consist import Consist
-from tbi_cli.case.full_train import FullTrain
 from tbi_cli.case.messages import plain_number
 from tbi_cli.case.model import Case
-from tbi_cli.case.simple_vehicles import RigidBeam
 from tbi_cli.case.track import Profile
 
 Finding = tuple[str, str]
@@ -19,7 +16,7 @@ def unmet(case: Case) -> Iterator[Finding]:
     """Key and message for each part of the irregularity of which no wheel ever meets anything."""
     if case.track is None:
         return
-    come = _way(case)
+    come = case.way
     for name, shape in case.track.irregularity.shapes.items():
         if shape.at >= come:
             yield f"{_KEY}.{name}.at", f"expected a place before {_end(come)}, got {plain_number(shape.at)} m"
@@ -37,7 +34,7 @@ def partly_met(case: Case) -> Iterator[Finding]:
     """Key and message for each part of the irregularity of which a piece is never met."""
     if case.track is None:
         return
-    come = _way(case)
+    come = case.way
     for name, shape in case.track.irregularity.shapes.items():
         end = shape.at + shape.length
         if shape.at < come < end * (1 - 1e-9):
@@ -53,11 +50,6 @@ def partly_met(case: Case) -> Iterator[Finding]:
         yield f"{_KEY}.profile", f"{text}, the train from {_between(profile, first, last, 'to')}"
 
 
-def _way(case: Case) -> float:
-    """How far (m) the first axle comes from the beginning of the bridge."""
-    return case.solver.duration * (case.bridge.length + _axle_distance(case))
-
-
 def _end(come: float) -> str:
     return f"{plain_number(come)} m, as far as the first axle comes (solver.duration)"
 
@@ -65,7 +57,7 @@ def _end(come: float) -> str:
 def _stretch(case: Case) -> tuple[float, float]:
     """Between which places (m) measured rails are met: beyond the track they have faded."""
     assert case.track is not None
-    return -case.track.approach, min(case.bridge.length + case.track.approach, _way(case))
+    return -case.track.approach, min(case.bridge.length + case.track.approach, case.way)
 
 
 def _between(profile: Profile, first: float, last: float, word: str) -> str:
@@ -77,14 +69,3 @@ def _between(profile: Profile, first: float, last: float, word: str) -> str:
 def _metres(x: float) -> str:
     """A place along a line of many kilometres, to the millimetre."""
     return f"{x:.3f}".rstrip("0").rstrip(".")
-
-
-def _axle_distance(case: Case) -> float:
-    """Distance (m) from the first axle of the train to the last."""
-    train = case.train
-    if isinstance(train, Consist):
-        return train.fronts[-1][-1] + train.consist[-1].wheelbase
-    if isinstance(train, FullTrain):
-        arms = train.geometry
-        return arms.l_b1 + arms.l_w1 + arms.l_b2 + arms.l_w4
-    return train.support_distance if isinstance(train, RigidBeam) else 0.0

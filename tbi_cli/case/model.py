@@ -11,6 +11,7 @@ from pydantic import Field, PrivateAttr
 
 from tbi_cli.case.axes import Axis, resolved_sweep
 from tbi_cli.case.bridge import Bridge, Damping, Stations
+from tbi_cli.case.consist import Consist, wheelbase_of
 from tbi_cli.case.emit import emit_yaml
 from tbi_cli.case.fields import ACCELERATION, SPEED, Quantity, Text
 from tbi_cli.case.part import Part, replaced
@@ -58,6 +59,19 @@ class Case(Part):
     def studies(self) -> Mapping[str, Case]:
         """The cases that this one is the union of, by name, in the order of the file; none for one grid."""
         return self._studies
+
+    @property
+    def way(self) -> float:
+        """How far (m) the first axle of a single case comes from the beginning of the bridge."""
+        train = self.train
+        wheelbase = train.wheelbase if isinstance(train, Consist) else wheelbase_of(train)
+        return self.solver.duration * (self.bridge.length + wheelbase)
+
+    @property
+    def window(self) -> float:
+        """How long (s) a single case is looked at: on the approach, and from the bridge on."""
+        approach = self.track.approach if self.track is not None else 0.0
+        return (approach + self.way) / self.velocity
 
     def swept(self, axes: tuple[Axis, ...], warnings: tuple[str, ...] = ()) -> Case:
         """The same case with this sweep (and these warnings); the axes are taken as checked."""

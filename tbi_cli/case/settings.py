@@ -137,7 +137,9 @@ class Histories(Part):
 
     channels: Annotated[tuple[str, ...] | None, ChannelNames("channels to store")] = None
     every: (
-        Annotated[float, Quantity("interval of stored samples, a multiple of the sampling", TIME, "0.01 s")]
+        Annotated[
+            float, Quantity("interval of stored samples; a multiple of sampling, unless auto", TIME, "0.01 s")
+        ]
         | None
     ) = None
 

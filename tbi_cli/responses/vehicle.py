@@ -96,7 +96,8 @@ def force_channels(train: Train, system: System, g: float) -> list[Channel]:
             )
         )
         if system.unilateral:
-            relief = ((("P", wheel), 1 / static),)
+            # Where nothing stands on a wheel, without gravity, nothing is taken off it: 0 throughout.
+            relief = ((("P", wheel), 1 / static if static else 0.0),)
             made.append(Channel(f"{name}_unloading", "1", f"unloading ratio 1 - Q/Q0 of {spoken}", relief))
             aloft = ((("aloft", wheel), 1.0),)
             made.append(Channel(f"{name}_time_aloft", "s", f"time aloft of {spoken}", aloft))

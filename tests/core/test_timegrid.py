@@ -13,7 +13,7 @@ from tbi_cli.plan import make_plan
 from tbi_cli.scenarios import make_model
 from tbi_cli.solve import Solver
 from tbi_cli.timegrid import TimeGrid, TimeGridError, TooManyStepsError, UnstableStepError, time_grid
-from tests.core.crossings import paper, tables
+from tests.core.crossings import histories, paper, tables
 
 
 def grid_of(*overrides: str) -> TimeGrid:
@@ -106,3 +106,34 @@ def test_steps_without_end_are_refused() -> None:
         TooManyStepsError, match=r"^expected at most 1e\+12 steps in one scenario, got .*e\+14 samp"
     ):
         grid_of("velocity=1e-9")
+
+
+@pytest.mark.parametrize("every", [0.013, 0.0007, 2.5e-5])
+@pytest.mark.parametrize(
+    "track", ["track=null", "track={irregularity: {ramp: {at: 0, length: 2, height: 0.01}}}"]
+)
+def test_histories_keep_the_interval_asked_for(every: float, track: str) -> None:
+    """With `sampling: auto`, no interval of which divides it by itself; to rounding of the times."""
+    common = ("contact={model: paper}", "velocity=47.3", "solver={sampling: auto, duration: 1.1}", track)
+    kept = histories(paper(*common, f"output.histories={{channels: [right_midspan], every: {every}}}"))[
+        "time"
+    ]
+    free = grid_of(*common)
+    assert kept == pytest.approx(kept[0] + every * np.arange(len(kept)), abs=1e-12)
+    assert kept[-1] + every > free.start + free.last * free.sampling
+
+
+def test_an_interval_longer_than_the_window_is_said() -> None:
+    """Of the shortest window of a grid: 1.1 times 70 m at 90 m/s; the history is its first sample."""
+    case = paper(
+        "solver={sampling: auto, duration: 1.1}",
+        "output.histories={channels: [right_midspan], every: 1 s}",
+        "sweep.velocity=[30, 90]",
+    )
+    (warning,) = case.warnings
+    assert warning.endswith(
+        "warning: output.histories.every: 1 s is longer than the 0.8556 s of a crossing at 90 m/s: "
+        "its history holds nothing but its first sample"
+    )
+    assert len(histories(case, 1)["time"]) == 1
+    assert len(histories(case, 0)["time"]) == 3
