@@ -14,10 +14,12 @@ one is not read, or a broken one brings more than two messages.
 from __future__ import annotations
 
 import argparse
+import os
 import random
 import signal
 import sys
 import tempfile
+import threading
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
@@ -44,6 +46,7 @@ with counted:
 
 # Time of the processor, as a machine may be busy with other things; and of the clock, for what only waits.
 LIMITS = ((signal.ITIMER_PROF, signal.SIGPROF, 10), (signal.ITIMER_REAL, signal.SIGALRM, 600))
+SECONDS_FOR_ENDS = 300
 PLACES = st.integers(0, 10_000)
 
 
@@ -219,6 +222,12 @@ def with_atheris(folder: Path, count: int, start: int) -> None:
     atheris.Fuzz()
 
 
+def give_up(text: str) -> None:
+    """Ends this process, whatever it is at."""
+    print(text, file=sys.stderr, flush=True)
+    os._exit(1)
+
+
 def with_ends(folder: Path, count: int, start: int) -> None:
     """Every key at its ends; of more of them than `count` some, drawn."""
     from fuzzing.ends import check_ends, trials
@@ -227,12 +236,16 @@ def with_ends(folder: Path, count: int, start: int) -> None:
     chosen = every if count >= len(every) else random.Random(start).sample(every, count)
     found: Counter[str] = Counter()
     for base, override in chosen:
+        # A signal waits for compiled code to come back, a thread does not.
+        watch = threading.Timer(SECONDS_FOR_ENDS, give_up, [f"too long: {base}: --set '{override}'"])
+        watch.start()
         try:
-            with time_limit():
-                found[check_ends(folder, base, override)] += 1
+            found[check_ends(folder, base, override)] += 1
         except Exception:
             print(f"{base}: --set '{override}'", file=sys.stderr)
             raise
+        finally:
+            watch.cancel()
     print(f"{len(chosen)} of {len(every)} ends: {', '.join(f'{n} {what}' for what, n in found.items())}")
 
 

@@ -24,6 +24,8 @@ _SAMPLES_PER_PERIOD = 60
 _LONGEST_INTERVAL = 1e-3
 
 
+# The method `exact` takes a step for each radian of a sampling interval, once: beyond so many rounding shows.
+_MOST_SWING = 1e5
 # Of one scenario: days on one processor; and so that the sums over a grid are whole numbers of 64 bits.
 _MOST_STEPS = 10**12
 # A low-pass filter needs so many samples in a period of its cut-off.
@@ -133,6 +135,12 @@ def time_grid(case: Case, pace: Pace) -> TimeGrid:
         sampling = every / math.ceil(every / fine * (1 - 1e-12))
     if case.solver.method == "exact":
         substeps = 1
+        swing = max(fastest, case.bridge.modes * math.pi * case.velocity / case.bridge.length)
+        if sampling * swing > _MOST_SWING:
+            raise TimeGridError(
+                f"expected at most {_MOST_SWING / swing:.4g} s for the method exact, {_MOST_SWING:g} radians "
+                f"of the fastest mode, got {sampling:.4g} s"
+            )
     elif case.solver.substeps == "auto":
         radius = _ACCURATE_RADIUS_OF_CONTACT if case.contact.model == "hertz" else _ACCURATE_RADIUS
         substeps = max(math.ceil(sampling * fastest / radius - 1e-9), 1)
@@ -140,7 +148,10 @@ def time_grid(case: Case, pace: Pace) -> TimeGrid:
         substeps = case.solver.substeps
         if sampling / substeps * pace.fastest > _SAFE_RADIUS:
             _refuse_unstable(build_system(case), sampling, substeps)
-    last = math.floor((approach + case.solver.duration * crossing) / sampling + 1e-9)
+    window = approach + case.solver.duration * crossing
+    last = math.floor(window / sampling + 1e-9)
+    if last < 1:
+        raise TimeGridError(f"expected at most {window:.4g} s, the whole window, got {sampling:.4g} s")
     if last * substeps > _MOST_STEPS:
         raise TooManyStepsError(
             f"expected at most {_MOST_STEPS:.0e} steps in one scenario, got {float(last):.3g} samples of "

@@ -1,4 +1,4 @@
-"""A short run of scripts/fuzz.py: broken case files end in a message, never in a traceback."""
+"""Short runs of scripts/fuzz.py: broken case files and keys at their ends, never a traceback."""
 
 from __future__ import annotations
 
@@ -12,11 +12,21 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.mark.parametrize(("of", "what"), [([], "files"), (["--tables"], "tables")], ids=["files", "tables"])
-def test_broken_files_end_in_a_message(of: list[str], what: str) -> None:
-    """And whole tables are read as what they say, whatever form they have."""
-    command = [sys.executable, str(ROOT / "scripts" / "fuzz.py"), "--count", "500", *of]
+def fuzzed(*arguments: str) -> str:
+    """What scripts/fuzz.py says at its end."""
+    command = [sys.executable, str(ROOT / "scripts" / "fuzz.py"), *arguments]
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     run = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
     assert run.returncode == 0, run.stdout + run.stderr
-    assert run.stdout.startswith(f"500 {what}: ")
+    return run.stdout
+
+
+@pytest.mark.parametrize(("of", "what"), [([], "files"), (["--tables"], "tables")], ids=["files", "tables"])
+def test_broken_files_end_in_a_message(of: list[str], what: str) -> None:
+    """And whole tables are read as what they say, whatever form they have."""
+    assert fuzzed("--count", "500", *of).startswith(f"500 {what}: ")
+
+
+def test_keys_at_their_ends() -> None:
+    """A sample of them; zeros and largest values are solved, planned, or end in a message."""
+    assert fuzzed("--engine", "ends", "--count", "150").startswith("150 of ")

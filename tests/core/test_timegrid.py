@@ -137,3 +137,18 @@ def test_an_interval_longer_than_the_window_is_said() -> None:
     )
     assert len(histories(case, 1)["time"]) == 1
     assert len(histories(case, 0)["time"]) == 3
+
+
+def test_intervals_that_cannot_be() -> None:
+    """Longer than the window it samples rest alone; with very many radians `exact` never ends."""
+    with pytest.raises(TimeGridError, match=r"expected at most 4\.2 s, the whole window, got 4\.3 s"):
+        grid_of("solver={sampling: 4.3, duration: 5}")
+    assert grid_of("solver={sampling: 4.2, duration: 5}").last == 1
+    stiff = (
+        "train=hslm-a1",
+        "bridge=whole-deck",
+        "bridge.right.second_moment=1e15",
+        "contact={model: paper}",
+    )
+    with pytest.raises(TimeGridError, match="for the method exact, 100000 radians of the fastest"):
+        grid_of(*stiff, "solver={method: exact, sampling: 0.002}")
