@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from tbi_cli.case import CaseError
 from tbi_cli.case.leaves import leaves_of
+from tbi_cli.printable import one_line
 from tbi_cli.store import Results
 from tbi_cli.store.compare import in_short
-from tbi_cli.store.errors import one_line
 
 _VERSIONS = ("tbi_version", "numpy_version", "numba_version", "h5py_version")
 

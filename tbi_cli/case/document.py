@@ -11,7 +11,7 @@ from pathlib import Path
 from tbi_cli.case.axes import SHORT_NAMES
 from tbi_cli.case.builtin import Kind, builtin_names, builtin_path
 from tbi_cli.case.files import checked, read_source
-from tbi_cli.case.messages import CaseError, Problem, Source, fail, printable, quoted, suggestion
+from tbi_cli.case.messages import CaseError, Problem, Source, fail, quoted, suggestion
 from tbi_cli.case.refinement import REFINE_KEYS
 from tbi_cli.case.train_files import resolve_train
 from tbi_cli.case.yaml12 import (
@@ -25,6 +25,7 @@ from tbi_cli.case.yaml12 import (
     plain,
     read_yaml,
 )
+from tbi_cli.printable import printable
 
 _INCLUDED: dict[str, Kind] = {"train": "train", "bridge": "bridge"}
 _RANGE_KEYS = ("from", "to", "step", "count", "log", *REFINE_KEYS)

@@ -11,6 +11,7 @@ from functools import cached_property
 from pathlib import Path
 
 from tbi_cli.errors import UserError
+from tbi_cli.printable import printable
 
 _SHOWN_ERRORS = 50
 MOST_ERRORS = 1000  # that are put into words
@@ -19,12 +20,6 @@ _SHOWN_VALUE = 60
 UNPRINTABLE = re.compile(
     "[\x00-\x1f\x7f-\x9f\u2028\u2029\u200e\u200f\u202a-\u202e\u2066-\u2069\ufeff\ufffe\uffff]"
 )
-
-
-def printable(text: str) -> str:
-    """The text with control characters written out, so that a message is one line and moves no cursor."""
-    escaped = UNPRINTABLE.sub(lambda found: f"\\x{ord(found[0]):02x}", text)
-    return escaped.encode("utf-8", "backslashreplace").decode()
 
 
 def quoted(value: object) -> str:
@@ -193,7 +188,7 @@ class CaseError(UserError):
         if len(self.problems) > _SHOWN_ERRORS:
             least = "at least " if len(self.problems) >= MOST_ERRORS else ""
             shown.append(f"... and {least}{len(self.problems) - _SHOWN_ERRORS} more errors")
-        super().__init__("\n".join(shown))
+        super().__init__(*(line for text in shown for line in text.split("\n")))
 
 
 def fail(name: str, text: str) -> CaseError:

@@ -5,6 +5,7 @@ A command imports what it needs when it is called, so that `tbi --help` answers 
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 
@@ -27,6 +28,7 @@ from tbi_cli.cli.verify import verify
 from tbi_cli.cli.version import common
 from tbi_cli.docstrings import docstring
 from tbi_cli.errors import RunFailedError, UserError
+from tbi_cli.printable import printable_streams
 from tbi_cli.shortage import shortage
 
 app = typer.Typer(
@@ -52,8 +54,13 @@ def run_command_line(arguments: Sequence[str]) -> int:
 
     A user's mistake, or a shortage of memory, is one message on standard error, never a traceback.
     """
+    with printable_streams():
+        return _run(arguments)
+
+
+def _run(arguments: Sequence[str]) -> int:
     try:
-        code = _run(arguments)
+        code = _called(arguments)
         sys.stdout.flush()
         return code
     except ReaderGoneError as error:
@@ -64,13 +71,16 @@ def run_command_line(arguments: Sequence[str]) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except Exception as error:
-        if (message := shortage(error)) is None:
+        if (message := shortage(error)) is not None:
+            print(message, file=sys.stderr)
+            return RunFailedError.exit_code
+        if not (isinstance(error, OSError) and isinstance(error.filename, str | bytes)):
             raise
-    print(message, file=sys.stderr)
-    return RunFailedError.exit_code
+        print(UserError.from_os(os.fsdecode(error.filename), error), file=sys.stderr)
+        return UserError.exit_code
 
 
-def _run(arguments: Sequence[str]) -> int:
+def _called(arguments: Sequence[str]) -> int:
     try:
         app(list(arguments), prog_name="tbi")
     except SystemExit as end:

@@ -67,8 +67,8 @@ def _show(opened: Results, verbose: bool) -> None:
     import numpy as np
 
     from tbi_cli.cli.summary import extremes
+    from tbi_cli.printable import one_line
     from tbi_cli.store import DONE, FAILED
-    from tbi_cli.store.errors import one_line
 
     status = opened.status
     for dim in opened.dims:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 import time
 
+from tbi_cli.printable import bare
+
 _SECONDS_BETWEEN_LINES = 10.0
 
 
@@ -23,6 +25,7 @@ class Terminal:
         self._last = time.monotonic()
         self._plain = not sys.stderr.isatty()
         self._bar = tqdm(
+            file=bare(sys.stderr),
             total=steps,
             unit="step",
             unit_scale=True,

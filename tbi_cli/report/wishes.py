@@ -8,8 +8,9 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from tbi_cli.case.messages import printable, suggestion
+from tbi_cli.case.messages import suggestion
 from tbi_cli.case.units import UnitError, to_si
+from tbi_cli.printable import printable
 from tbi_cli.report import words
 from tbi_cli.report.errors import ReportError
 from tbi_cli.report.study import Study, StudyAxis

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from tbi_cli.printable import one_line
 from tbi_cli.store import Dim, Variable
 
 #: What the numbers of a table are, before the quantity.
@@ -61,7 +62,7 @@ def typeset(units: str) -> str:
 
 def clean(text: str) -> str:
     """A name from a file on one line, without what no one can see."""
-    return " ".join("".join(c if c.isprintable() else " " for c in text[:200]).split())
+    return one_line(text[:200])
 
 
 def quantity_of(variable: Variable) -> str:

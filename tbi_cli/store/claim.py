@@ -10,7 +10,7 @@ from pathlib import Path
 from tbi_cli.store.durable import UNFINISHED, sync_folder
 from tbi_cli.store.errors import StoreError
 from tbi_cli.store.lock import LOCK_FILE, Lock, refuse_if_held
-from tbi_cli.store.opening import Run, resolve
+from tbi_cli.store.opening import Run, is_there, look_first, resolve
 from tbi_cli.store.parts import LAYOUT_FILE, STUDIES_FILE, UNSETTLED_FILE, part_number, parts_folder
 from tbi_cli.store.safe import looks_like_hdf5
 
@@ -42,7 +42,10 @@ def check_path(path: Path, *, resume: bool, overwrite: bool) -> None:
     except OSError as error:
         raise StoreError.from_os(path, error) from error
     if not resume and not overwrite:
-        _refuse_unfinished_run(path)
+        try:
+            _refuse_unfinished_run(path)
+        except OSError as error:
+            raise StoreError.from_os(parts_folder(path), error) from error
 
 
 def _check_place(path: Path) -> None:
@@ -63,9 +66,10 @@ def _check_place(path: Path) -> None:
 
 def _refuse_unfinished_run(path: Path) -> None:
     folder = parts_folder(path)
-    several = (folder / STUDIES_FILE).exists()
+    several = is_there(folder / STUDIES_FILE)
     solved = size = 0
     for study in sorted(p.name for p in folder.iterdir() if p.is_dir()) if several else [""]:
+        look_first(path, study)
         run = Run.read(path, study)
         if run is None:
             continue

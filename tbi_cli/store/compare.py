@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from tbi_cli.store.errors import StoreError, one_line
+from tbi_cli.printable import one_line
+from tbi_cli.store.errors import StoreError
 from tbi_cli.store.layout import Scalar
 
 _SHOWN = 5  # changed keys named in a message

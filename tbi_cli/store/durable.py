@@ -23,6 +23,8 @@ from tbi_cli.store.interrupts import Interrupts
 #: How the name of a file that is not finished yet ends; never ``.h5``, so that nobody takes it for one.
 UNFINISHED = ".unfinished"
 
+#: Characters of a file's name in that of its temporary file: of four bytes each with room to spare.
+_NAME = 40
 _SYNC_EVERY = 32 << 20  # bytes; keeps the disk busy while HDF5 is, instead of one long wait at the end
 _sync_data = getattr(os, "fdatasync", os.fsync)  # macOS has no fdatasync
 
@@ -149,7 +151,7 @@ def new_h5(path: Path, scratch: Path, advice: str = "") -> Iterator[NewFile]:
     programs built on HDF5 1.8 and later read it.  Signals wait for `NewFile.check` or the end.  Raises
     `StoreError`, with ``advice``, for whatever the operating system refuses.
     """
-    temporary = scratch / (path.name + UNFINISHED)
+    temporary = scratch / f"{path.name[:_NAME]}{UNFINISHED}"  # no longer than a name may be
     with Interrupts() as interrupts:
         try:
             raw = _RecordingFile(temporary)

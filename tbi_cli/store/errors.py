@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import os
+import errno
 
 from tbi_cli.errors import UserError
+from tbi_cli.printable import one_line
+
+__all__ = ["StoreError", "is_missing", "one_line"]
+
+_MISSING = (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG)
 
 
 class StoreError(UserError):
     """A results file cannot be written or read; ``str(error)`` is the whole message, on one line."""
 
-    @classmethod
-    def from_os(cls, path: str | os.PathLike[str], error: OSError, advice: str = "") -> StoreError:
-        """The message for a failed operation on ``path``, e.g. ``out.h5: No space left on device``."""
-        reason = os.strerror(error.errno) if error.errno else one_line(str(error))
-        return cls(f"{os.fspath(path)}: {reason}" + (f"; {advice}" if advice else ""))
 
-
-def one_line(text: str) -> str:
-    """``text`` with everything that would break or garble a line of a terminal replaced by spaces."""
-    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+def is_missing(error: OSError) -> bool:
+    """Whether it says that there is no such file: none of that name, or no name that a file can have."""
+    return error.errno in _MISSING

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -11,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.store.errors import StoreError, one_line
+from tbi_cli.printable import one_line
+from tbi_cli.store.errors import StoreError
 
 FORMAT = "tbi-results"
 #: Of a file whose groups are the roots of such files, one for each study.
@@ -38,6 +40,9 @@ NAME_LISTS = ("dimensions", "channels", "history_channels", "daf")
 
 #: Root attributes that are summed over the files that hold the cases: what the solution cost.
 TOTALS = ("solve_seconds", "case_steps")
+
+#: More cases than in any grid that can be solved; as many as there is memory for to read their status.
+MOST_CASES = 100_000_000
 
 Scalar = str | int | float
 
@@ -117,6 +122,18 @@ class Layout:
             return tuple(Variable(c.name, "s", f"time of the peak of {c.long_name}") for c in self.channels)
         return self.channels
 
+    def check(self) -> None:
+        """Raise `StoreError` for names that cannot be those of variables, and for a grid beyond all measure.
+
+        A layout that was read may be a stranger's: a name with a slash in it would lead out of its group.
+        """
+        names = [one.name for dim in self.dims for one in (dim, *dim.members)]
+        for name in [*names, *(one.name for one in (*self.channels, *self.history_channels))]:
+            if not name.isprintable() or re.search(r"[\s/]", name) or name in ("", ".", ".."):
+                raise StoreError(f"names a variable {name[:60]!r}")
+        if self.size > MOST_CASES:
+            raise StoreError(f"has a grid of {self.size:.3g} cases, expected at most {MOST_CASES}")
+
     @property
     def name_lists(self) -> dict[str, str]:
         """The root attributes of `NAME_LISTS`."""
@@ -163,8 +180,9 @@ class Layout:
             if data["format"] != f"{FORMAT}-layout" or data["format_version"] != FORMAT_VERSION:
                 raise StoreError("is not a layout of this version of tbi")
             dims = tuple(_from_plain(d) for d in data.pop("dims"))
-            if not all(dim.values.ndim == 1 and len(dim.values) for dim in dims):
-                raise StoreError("has a dimension without values")
+            for values in (one.values for dim in dims for one in (dim, *dim.members)):
+                if not (values.ndim == 1 and len(values) and np.isfinite(values).all()):
+                    raise StoreError("has a dimension without values, or with such as are not finite")
 
             def variables(key: str) -> tuple[Variable, ...]:
                 return tuple(
@@ -173,15 +191,20 @@ class Layout:
                 )
 
             attributes = data.pop("attributes")
-            if not all(isinstance(v, str | int | float) for v in attributes.values()):
+            if not all(map(_is_scalar, attributes.values())):
                 raise StoreError("has attributes of an unknown kind")
             daf = tuple(str(name) for name in data.pop("daf"))
             if not set(daf) <= set(DAF):
                 raise StoreError("names unknown amplification factors")
             layout = cls(dims, variables("channels"), variables("history_channels"), daf, attributes)
+            layout.check()
         except (KeyError, TypeError, ValueError, AttributeError, RecursionError, OverflowError) as error:
             raise StoreError("is not a layout written by tbi") from error
         return layout, data
+
+
+def _is_scalar(value: object) -> bool:
+    return isinstance(value, str | int) or (isinstance(value, float) and math.isfinite(value))
 
 
 def _to_plain(dim: Dim) -> dict[str, Any]:

@@ -17,7 +17,9 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from tbi_cli.store.errors import StoreError, one_line
+from tbi_cli.printable import one_line
+from tbi_cli.store.errors import StoreError
+from tbi_cli.store.plain import read_plain
 
 try:
     import fcntl
@@ -102,8 +104,8 @@ class Lock:
     def is_held(self) -> bool:
         """Whether the lock is still this process's own."""
         try:
-            return self.path.read_text(encoding="utf-8") == self._text
-        except (OSError, ValueError):
+            return read_plain(self.path, 4096) == self._text
+        except (OSError, StoreError):
             return False
 
     def release(self) -> None:
@@ -121,9 +123,12 @@ def refuse_if_held(folder: Path, results: Path) -> None:
 
 
 def read_holder(path: Path) -> Holder | None:
-    """Who holds the lock file ``path``; None if nobody does, or if it says nothing that can be read."""
+    """Who holds the lock file ``path``; None if nobody does, or if it does not say so.
+
+    Raises `StoreError` where it may not be read.
+    """
     try:
-        data = json.loads(path.read_text(encoding="utf-8")[:4096])
+        data = json.loads(read_plain(path, 4096))
         return Holder(
             host=str(data["host"]),
             boot=str(data["boot"]),
@@ -133,7 +138,9 @@ def read_holder(path: Path) -> Holder | None:
             job=str(data.get("job", "")),
             restart=str(data.get("restart", "")),
         )
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+    except PermissionError as error:  # of somebody else: that it says nothing to us does not make it free
+        raise StoreError.from_os(path, error) from error
+    except (OSError, StoreError, ValueError, KeyError, TypeError, RecursionError):
         return None
 
 

@@ -17,7 +17,7 @@ from tbi_cli.store.claim import Claim, check_output
 from tbi_cli.store.compare import refuse_other_run
 from tbi_cli.store.errors import StoreError
 from tbi_cli.store.layout import Layout, Scalar
-from tbi_cli.store.opening import check_same_grid, open_results, resolve
+from tbi_cli.store.opening import check_same_grid, is_there, open_results, resolve
 from tbi_cli.store.parts import parts_folder
 from tbi_cli.store.picked import MovedSource, numbers_in, refined_axis, settled, with_values
 from tbi_cli.store.results import Results
@@ -48,7 +48,7 @@ def merge(
     there: list[Path] = []
     absent: list[Path] = []
     for path in map(resolve, paths):
-        (there if path.exists() or parts_folder(path).exists() else absent).append(path)
+        (there if is_there(path) or is_there(parts_folder(path)) else absent).append(path)
     if absent and not (partial and there):
         raise StoreError(f"missing: {_list([str(p) for p in absent])}")
     headings = [heading_of(path) for path in there]

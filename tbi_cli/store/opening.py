@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from dataclasses import replace
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tbi_cli.store.durable import write_text
-from tbi_cli.store.errors import StoreError
+from tbi_cli.store.errors import StoreError, is_missing
 from tbi_cli.store.layout import Layout
 from tbi_cli.store.parts import (
     LAYOUT_FILE,
@@ -22,6 +23,7 @@ from tbi_cli.store.parts import (
     parts_folder,
 )
 from tbi_cli.store.picked import MovedSource, numbers_in, refined_axis, solved_only
+from tbi_cli.store.plain import read_plain
 from tbi_cli.store.results import Results
 from tbi_cli.store.sources import ResultsSource, Source
 from tbi_cli.store.vet import vet
@@ -32,9 +34,23 @@ _LAYOUT_BYTES = 1 << 28  # of a layout file; the coordinates of ten million grid
 def resolve(path: str | os.PathLike[str]) -> Path:
     """The path with links followed, so that a link to a results file stays one."""
     try:
-        return Path(path).resolve()
+        resolved = Path(path).resolve()
     except (OSError, RuntimeError, ValueError) as error:  # a loop of links; a null character
         raise StoreError(f"{os.fspath(path)!r}: is not a usable path ({error})") from error
+    if not resolved.name:  # the root of all folders
+        raise StoreError(f"{resolved}: is a folder, not a results file")
+    return resolved
+
+
+def is_there(path: Path) -> bool:
+    """Whether there is anything at ``path``; raises `StoreError` where that cannot be told."""
+    try:
+        path.stat()
+    except OSError as error:
+        if is_missing(error):
+            return False
+        raise StoreError.from_os(path, error) from error
+    return True
 
 
 def open_results(path: str | os.PathLike[str], *, study: str = "", own: bool = False) -> Results:
@@ -46,21 +62,30 @@ def open_results(path: str | os.PathLike[str], *, study: str = "", own: bool = F
     needs no look by a child process first.
     """
     path = resolve(path)
-    if not own and os.path.isfile(path):  # noqa: PTH113 - Path.is_file raises where a name is too long
-        vet(path, lambda: _look_through(path, study))
+    if not own:
+        look_first(path, study)
     return _open(path, study)
 
 
+def look_first(path: Path, study: str = "") -> None:
+    """Have a child process read the results file ``path``, and the parts of the run that writes it, if any.
+
+    Whoever reads what an earlier process has left looks first: files may be damaged, or come from strangers.
+    Raises `StoreError` for what the HDF5 library cannot bear; all else is for the reader to find.
+    """
+    folder = parts_folder(path, study)
+    if os.path.isfile(path):  # noqa: PTH113 - Path.is_file raises where a name is too long
+        vet(path, lambda: _look_through(ResultsSource(path, study)))
+    if os.path.isdir(folder):  # noqa: PTH112
+        vet(folder, lambda: _look_through_parts(path, study), files=len(os.listdir(folder)))  # noqa: PTH208
+
+
 def _open(path: Path, study: str) -> Results:
-    try:
-        there = path.exists()
-    except OSError as error:
-        raise StoreError.from_os(path, error) from error
-    if not there:
+    if not is_there(path):
         try:
-            results = open_parts(path, study)
+            results = _open_parts(path, study)
         except StoreError:
-            if not path.exists():  # else the run has just ended, and taken its parts away
+            if not is_there(path):  # else the run has just ended, and taken its parts away
                 raise
             results = None
         if results is not None:
@@ -70,19 +95,30 @@ def _open(path: Path, study: str) -> Results:
     return Results(path, source.layout, [source], finished=True, study=study, unsettled=unsettled)
 
 
-def _look_through(path: Path, study: str) -> None:
-    """Read all that is read later, but for the numbers in most of the tables and histories."""
-    with _open(path, study) as results:
-        results.messages  # noqa: B018
-        for group in results.layout.groups:
-            for variable in results.layout.columns(group)[:1]:
-                results.table(group, variable.name)
-        for index in results.history_indices()[:1]:
-            results.history(index)
+def _look_through(source: ResultsSource | PartSource) -> None:
+    """Open all that is read later, and read it but for the numbers of most tables and histories."""
+    source.messages  # noqa: B018
+    source.look()
+    for index in sorted(source.history_indices())[:1]:
+        source.history(index)
+
+
+def _look_through_parts(path: Path, study: str) -> None:
+    run = Run.read(path, study)
+    if run is None:
+        return
+    for part in run.parts():
+        with contextlib.suppress(StoreError), contextlib.closing(PartSource(part, run.layout)) as source:
+            _look_through(source)
 
 
 def open_parts(path: Path, study: str = "") -> Results | None:
-    """The results of the unfinished run that writes ``path``; None if there is none."""
+    """The results of the unfinished run that writes ``path``; None if there is none.  Raises `StoreError`."""
+    look_first(path, study)
+    return _open_parts(path, study)
+
+
+def _open_parts(path: Path, study: str) -> Results | None:
     run = Run.read(path, study)
     return None if run is None else run.results()
 
@@ -104,18 +140,14 @@ class Run:
     def read(cls, path: Path, study: str = "") -> Run | None:
         """The run in the parts folder of ``path``, or None; raises `StoreError` if it is unreadable."""
         file = parts_folder(path, study) / LAYOUT_FILE
-        if not study and (file.parent / STUDIES_FILE).exists():
+        if not study and is_there(file.parent / STUDIES_FILE):
             raise StoreError(f"{file.parent}: holds an unfinished run of several studies")
         try:
-            if file.stat().st_size > _LAYOUT_BYTES:
-                raise StoreError(f"{file}: is too large")
-            text = file.read_text(encoding="utf-8")
-        except (FileNotFoundError, NotADirectoryError):
-            return None
+            text = read_plain(file, _LAYOUT_BYTES)
         except OSError as error:
+            if is_missing(error):
+                return None
             raise StoreError.from_os(file, error) from error
-        except ValueError as error:
-            raise StoreError(f"{file}: is not text") from error
         try:
             layout, extra = Layout.from_json(text)
         except StoreError as error:
@@ -138,7 +170,7 @@ class Run:
         """All that is finished, in one view."""
         sources: list[Source] = []
         layout = self.layout
-        if self.extends and self.path.exists():
+        if self.extends and is_there(self.path):
             sources.append(as_of(ResultsSource(self.path, self.study), layout))
         for part in self.parts():
             source = PartSource(part, layout)
@@ -162,16 +194,15 @@ class Run:
             return None
         file = self.folder / UNSETTLED_FILE
         try:
-            data = json.loads(file.read_text(encoding="utf-8"))
+            data = json.loads(read_plain(file, _LAYOUT_BYTES))
             if data["run_id"] == self.run_id:
                 cases = np.array(data["cases"], dtype=np.int64).reshape(-1)
                 if np.all((cases >= 0) & (cases < self.layout.size)):
                     return cases
                 raise StoreError(f"{file}: names a case outside the grid")
-        except FileNotFoundError:
-            pass
         except OSError as error:
-            raise StoreError.from_os(file, error) from error
+            if not is_missing(error):
+                raise StoreError.from_os(file, error) from error
         except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
             raise StoreError(f"{file}: is not what tbi writes there") from error
         return np.arange(self.layout.size)

@@ -27,6 +27,7 @@ STUDIES_FILE = "studies.json"
 UNSETTLED_FILE = "unsettled.json"
 
 _NO_HISTORY = -1
+_MOST = 1 << 40  # steps or samples of one case; sums of them stay far below the largest integer
 _CASE = np.dtype(
     [("index", "<i8"), ("status", "i1"), ("seconds", "<f8"), ("steps", "<i8"), ("samples", "<i8")]
 )
@@ -126,6 +127,10 @@ class PartSource(SourceFile):
         self.status: NDArray[np.int8] = self._cases["status"]
         self.solve_seconds = float(self._cases["seconds"].sum())
         self.case_steps = int(self._cases["steps"].sum())
+        samples, steps, seconds = (self._cases[key] for key in ("samples", "steps", "seconds"))
+        sound = (steps >= 0) & (steps <= _MOST) & (samples >= _NO_HISTORY) & (samples <= _MOST)
+        if not (sound & np.isfinite(seconds)).all():
+            raise StoreError(f"{self.path}: holds a case of impossible length")
         inside = (self.indices >= 0) & (self.indices < self.layout.size)
         if not (inside & np.isin(self.status, (DONE, FAILED))).all():
             raise StoreError(f"{self.path}: holds a case outside the grid or of an unknown status")
@@ -151,6 +156,10 @@ class PartSource(SourceFile):
         shape = (len(self.indices), max(part.stop for part in columns.values()))
         numbers = safe.read_numbers(self.file, "numbers", shape)
         return {group: numbers[:, columns[group]] for group in groups}
+
+    def look(self) -> None:
+        """Read the numbers of the tables; raises `StoreError` for the first fault."""
+        self.tables(self.layout.groups)
 
     def column(self, group: str, column: int) -> NDArray[np.float64]:
         return self.tables([group])[group][:, column]

@@ -11,7 +11,7 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.store.errors import one_line
+from tbi_cli.printable import one_line
 from tbi_cli.store.layout import Dim, Layout, Scalar, Variable
 from tbi_cli.store.records import DONE, History
 from tbi_cli.store.safe import reading

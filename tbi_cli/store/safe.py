@@ -17,7 +17,8 @@ import numpy as np
 from h5py import h5d, h5o
 from numpy.typing import NDArray
 
-from tbi_cli.store.errors import StoreError, one_line
+from tbi_cli.printable import one_line
+from tbi_cli.store.errors import StoreError
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _FILTERS = {

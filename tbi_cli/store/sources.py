@@ -14,8 +14,9 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from tbi_cli.printable import one_line
 from tbi_cli.store import safe
-from tbi_cli.store.errors import StoreError, one_line
+from tbi_cli.store.errors import StoreError
 from tbi_cli.store.layout import (
     CONVERGED,
     DAF,
@@ -125,6 +126,14 @@ class ResultsSource(SourceFile):
         texts = safe.read_texts(self.file, "message", self.layout.shape).ravel()
         return {int(i): str(texts[i]) for i in failed}
 
+    def look(self) -> None:
+        """Open every variable, and read the first of each table; raises `StoreError` for the first fault."""
+        for group in self.layout.groups:
+            for variable in self.layout.columns(group):
+                safe.number_dataset(self.group(group), variable.name, self.layout.shape)
+            if self.layout.columns(group):
+                self.column(group, 0)
+
     def column(self, group: str, column: int) -> NDArray[np.float64]:
         variable = self.layout.columns(group)[column]
         return safe.read_numbers(self.group(group), variable.name, self.layout.shape).ravel()[self.indices]
@@ -174,13 +183,14 @@ def read_layout(path: Path, study: str = "") -> Layout:
         attributes = safe.read_attributes(file)
         found = attributes.pop("format", None)
         if found == STUDIES_FORMAT:
-            studies = one_line(str(attributes.get("studies", "")))
+            studies = one_line(str(attributes.get("studies", "")))[:400]
             raise StoreError(f"{path}: holds several studies, of which one is to be named: {studies}")
         if found != FORMAT:
             raise StoreError(f"{path}: is an HDF5 file, but not one that tbi wrote")
         version = attributes.pop("format_version", None)
         if version != FORMAT_VERSION:
-            raise StoreError(f"{path}: has the format version {version}, this tbi reads {FORMAT_VERSION}")
+            found = f"has the format version {version!r:.40}"
+            raise StoreError(f"{path}: {found}, this tbi reads {FORMAT_VERSION}")
         for total in TOTALS:
             attributes.pop(total, None)
         names = {key: _names(path, attributes.pop(key, "")) for key in NAME_LISTS}
@@ -192,7 +202,12 @@ def read_layout(path: Path, study: str = "") -> Layout:
         first = None if histories is None else next(_indices(histories), None)
         history = None if histories is None or first is None else safe.child_group(histories, str(first))
         history_channels = _variables(history, names["history_channels"])
-        return Layout(dims, channels, history_channels, tuple(names["daf"]), attributes)
+        layout = Layout(dims, channels, history_channels, tuple(names["daf"]), attributes)
+        try:
+            layout.check()
+        except StoreError as error:
+            raise StoreError(f"{path}: {error}") from error
+        return layout
 
 
 def _indices(histories: h5py.Group) -> Iterator[int]:

@@ -17,7 +17,7 @@ from tbi_cli.store.compare import refuse_other_run
 from tbi_cli.store.durable import write_text
 from tbi_cli.store.errors import StoreError
 from tbi_cli.store.layout import Layout
-from tbi_cli.store.opening import Run, as_of
+from tbi_cli.store.opening import Run, as_of, is_there, look_first
 from tbi_cli.store.parts import LAYOUT_FILE, part_number, write_part
 from tbi_cli.store.picked import numbers_in, settled
 from tbi_cli.store.records import DONE, BatchResult
@@ -88,6 +88,7 @@ class ResultsStore:
 
     def _continue(self) -> Run:
         """The run that was interrupted, or one that completes the file that is there, or a new one."""
+        look_first(self.path, self._study)
         run = Run.read(self.path, self._study)
         if run is not None and run.parts():
             refuse_other_run(str(run.folder), run.layout.attributes, self.layout.attributes, _ADVICE)
@@ -95,7 +96,7 @@ class ResultsStore:
             with run.results() as results:
                 self._note_done(results)
             return run
-        if not self.path.exists():
+        if not is_there(self.path):
             return self._begin(extends=False)
         source = ResultsSource(self.path, self._study)
         refuse_other_run(str(self.path), source.layout.attributes, self.layout.attributes, _ADVICE)
@@ -145,7 +146,7 @@ class ResultsStore:
     @property
     def has_news(self) -> bool:
         """Whether there is anything that the results file does not hold yet."""
-        return bool(self._run.parts()) or not (self._run.extends and self.path.exists())
+        return bool(self._run.parts()) or not (self._run.extends and is_there(self.path))
 
     def results(self) -> Results:
         """All that is finished, in one view."""

@@ -19,17 +19,19 @@ from tbi_cli.store.assemble import write_group
 from tbi_cli.store.claim import Claim, check_output, check_path
 from tbi_cli.store.compare import refuse_other_run
 from tbi_cli.store.durable import new_h5, write_text
-from tbi_cli.store.errors import StoreError
+from tbi_cli.store.errors import StoreError, is_missing
 from tbi_cli.store.layout import FORMAT_VERSION, STUDIES_FORMAT, Layout, Scalar
 from tbi_cli.store.netcdf import create_group, set_attributes
-from tbi_cli.store.opening import Run, resolve
+from tbi_cli.store.opening import Run, is_there, look_first, resolve
 from tbi_cli.store.parts import STUDIES_FILE, parts_folder
 from tbi_cli.store.picked import settled
+from tbi_cli.store.plain import read_plain
 from tbi_cli.store.records import BatchResult
 from tbi_cli.store.results import Results
 from tbi_cli.store.store import ResultsStore
 from tbi_cli.store.vet import vet
 
+_MOST_BYTES = 1 << 24  # of the file that names the studies of an unfinished run, with their case
 _ADVICE = "--overwrite starts afresh"
 
 
@@ -87,7 +89,8 @@ def _of_file(path: Path) -> Heading:
         return Heading((), attributes)
     version = attributes.pop("format_version", None)
     if version != FORMAT_VERSION:
-        raise StoreError(f"{path}: has the format version {version}, this tbi reads {FORMAT_VERSION}")
+        found = f"has the format version {version!r:.40}"
+        raise StoreError(f"{path}: {found}, this tbi reads {FORMAT_VERSION}")
     if not set(names) <= there or not _are_studies(names):
         raise StoreError(f"{path}: does not hold the studies that it should")
     return Heading(tuple(names), attributes)
@@ -96,16 +99,16 @@ def _of_file(path: Path) -> Heading:
 def _of_parts(path: Path) -> Heading | None:
     file = parts_folder(path) / STUDIES_FILE
     try:
-        data = json.loads(file.read_text(encoding="utf-8"))
+        data = json.loads(read_plain(file, _MOST_BYTES))
         if data["format_version"] != FORMAT_VERSION:
             raise StoreError(f"{file}: has the format version {data['format_version']!r:.20}")
         names = [str(name) for name in data["studies"]]
         if not _are_studies(names):
             raise StoreError(f"{file}: does not name studies")
         return Heading(tuple(names), {str(k): v for k, v in data["attributes"].items()})
-    except (FileNotFoundError, NotADirectoryError):
-        return None
     except OSError as error:
+        if is_missing(error):
+            return None
         raise StoreError.from_os(file, error) from error
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise StoreError(f"{file}: is not what tbi writes there") from error
@@ -163,10 +166,11 @@ class StudiesStore:
         """Whether there is an unfinished run to continue; raises `StoreError` if another case is there."""
         heading, where = _of_parts(self.path), str(self._claim.folder)
         if heading is None:
+            look_first(self.path)
             run = Run.read(self.path)
             if run is not None and run.parts():
                 refuse_other_run(where, run.layout.attributes, self._attributes, _ADVICE)
-            if self.path.exists():
+            if is_there(self.path):
                 old = _of_file(self.path).attributes
                 refuse_other_run(str(self.path), old, self._attributes, _ADVICE)
             return False
