@@ -27,18 +27,21 @@ def export_tables(
         _need_pyarrow()
     groups = [*results.layout.groups, *([] if results.converged is None else [CONVERGED])]
     paths = {group: folder / f"{group}.{form}" for group in groups}
-    there = next((path for path in paths.values() if path.exists()), None)
-    if there is not None and not overwrite:
-        raise UserError(f"{there}: exists already; --overwrite replaces it")
+    write = _write_csv if form == "csv" else _write_parquet
     try:
+        there = next((path for path in paths.values() if path.exists()), None)
+        if there is not None and not overwrite:
+            raise UserError(f"{there}: exists already; --overwrite replaces it")
         folder.mkdir(parents=True, exist_ok=True)
         for group, path in paths.items():
             unfinished = path.with_name(f"{path.name}.unfinished")
-            columns = dict(_columns(results, group))
-            (_write_csv if form == "csv" else _write_parquet)(unfinished, columns)
-            unfinished.replace(path)
+            try:
+                write(unfinished, dict(_columns(results, group)))
+                unfinished.replace(path)
+            finally:
+                unfinished.unlink(missing_ok=True)
     except OSError as error:
-        raise UserError(f"{folder}: {error.strerror}") from None
+        raise UserError.from_os(folder, error) from None
     return list(paths.values())
 
 

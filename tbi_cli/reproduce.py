@@ -47,7 +47,7 @@ def run_paper(
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ReportError(f"{folder}: {error.strerror}") from error
+        raise ReportError.from_os(folder, error) from error
     for name in paper_cases():
         output = folder / f"{name.replace('paper/', '')}.h5"
         progress.say(f"{name}: {output}")
@@ -83,5 +83,5 @@ def write(entries: Sequence[claims.Entry], folder: Path) -> Files:
         files.csv.write_text(claims.table(entries).to_csv(), encoding="utf-8", newline="")
         files.json.write_text(claims.to_json(entries), encoding="utf-8")
     except OSError as error:
-        raise ReportError(f"{error.filename}: {error.strerror}") from error
+        raise ReportError.from_os(folder, error) from error
     return files

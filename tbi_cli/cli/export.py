@@ -25,7 +25,7 @@ def export(
     from tbi_cli.export import export_tables
     from tbi_cli.store import open_results, studies_of
 
-    folder = output or results.with_name(f"{results.stem}-tables")
+    folder = output or results.parent / f"{results.stem}-tables"
     studies = studies_of(results)
     for study in studies or ("",):
         with open_results(results, study=study) as opened:

@@ -29,5 +29,5 @@ def init(
     except FileExistsError:
         raise UserError(f"{path}: exists already; name another folder") from None
     except OSError as error:
-        raise UserError(f"{path}: {error.strerror}") from None
+        raise UserError.from_os(path, error) from None
     print(f"{path} is ready: tbi validate {path}, tbi run {path}")

@@ -7,17 +7,18 @@ files and leaves all others; a folder without the marker is refused unless it is
 from __future__ import annotations
 
 import json
-import os
-import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from tbi_cli.report.errors import ReportError
+from tbi_cli.scratch import scratch_folder
+from tbi_cli.store.errors import StoreError
+from tbi_cli.store.plain import read_plain
 
 MARKER = ".tbi-report.json"
 _KIND = "tbi-report"
+_MOST_BYTES = 1 << 24  # of the marker
 
 
 def check_folder(path: Path) -> None:
@@ -33,7 +34,7 @@ def check_folder(path: Path) -> None:
                 f"nothing was touched; choose another with -o"
             )
     except OSError as error:
-        raise _trouble(path, error) from error
+        raise ReportError.from_os(path, error) from error
 
 
 @contextmanager
@@ -45,16 +46,12 @@ def report_folder(path: Path) -> Iterator[Path]:
     check_folder(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        scratch = Path(tempfile.mkdtemp(prefix=f".{path.name[:100]}-", dir=path.parent))
+        # Forty characters are no longer than a name may be, whatever they are.
+        with scratch_folder(path.parent, f".{path.name[:40]}-") as scratch:
+            yield scratch
+            _move_in(scratch, path)
     except OSError as error:
-        raise _trouble(path, error) from error
-    try:
-        yield scratch
-        _move_in(scratch, path)
-    except OSError as error:
-        raise _trouble(path, error) from error
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
+        raise ReportError.from_os(path, error) from error
 
 
 def _move_in(scratch: Path, path: Path) -> None:
@@ -77,8 +74,8 @@ def _listed(path: Path) -> list[str] | None:
     if marker.is_symlink() or not marker.is_file():
         return None
     try:
-        found = json.loads(marker.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        found = json.loads(read_plain(marker, _MOST_BYTES))
+    except (OSError, StoreError, ValueError, RecursionError):
         return None
     if not isinstance(found, dict) or found.get("kind") != _KIND or not isinstance(found.get("files"), list):
         return None
@@ -102,7 +99,3 @@ def _write_marker(path: Path, names: list[str]) -> None:
     temporary = path / f"{MARKER}.new"
     temporary.write_text(text + "\n", encoding="utf-8")
     temporary.replace(path / MARKER)
-
-
-def _trouble(path: Path, error: OSError) -> ReportError:
-    return ReportError(f"{path}: {os.strerror(error.errno) if error.errno else error}")

@@ -53,7 +53,7 @@ class Report:
 def default_folder(results: Sequence[Path]) -> Path:
     """Beside the first results file, named after it."""
     first = results[0]
-    return first.with_name(first.name.removesuffix(".h5") + "-report")
+    return first.parent / f"{first.name.removesuffix('.h5')}-report"
 
 
 def make_report(

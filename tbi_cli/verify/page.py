@@ -48,7 +48,7 @@ def write_page(path: Path, groups: Sequence[Group]) -> None:
     Raises OSError where the folder cannot be written.
     """
     text = page(groups)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:40]}.", suffix=".tmp")
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as file:
             file.write(text)

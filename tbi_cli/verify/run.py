@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tbi_cli.errors import UserError
+from tbi_cli.scratch import scratch_folder
 from tbi_cli.verify.check import Check, Outcome, Tolerance
 from tbi_cli.verify.solved import CaseFailedError, Solved, Verification, solve
 
@@ -37,8 +38,8 @@ def case_folder(keep: Path | None) -> Iterator[Path]:
     Raises UserError where `keep` cannot be made or is a folder with something in it.
     """
     if keep is None:
-        with tempfile.TemporaryDirectory(prefix="tbi-verify-") as folder:
-            yield Path(folder)
+        with scratch_folder(Path(tempfile.gettempdir()), "tbi-verify-") as folder:
+            yield folder
         return
     try:
         keep.mkdir(parents=True, exist_ok=True)
