@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from tbi_cli.errors import UserError
 from tbi_cli.integrator.arrays import LANES
 
+MOST_SHARDS = 999_999  # of one run
+
 
 @dataclass(frozen=True)
 class Shard:

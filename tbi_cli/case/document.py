@@ -48,9 +48,8 @@ class ExtraAxis:
 class Document:
     """The tree of a case under construction, and the problems met so far."""
 
-    def __init__(self, source: str | Path | None) -> None:
+    def __init__(self, path: Path, name: str) -> None:
         self.problems: list[Problem] = []
-        path, name = _case_path(source)
         self.root = self._mapping(path, name, "a case: a mapping with the keys train, bridge, velocity, ...")
         self._file = os.path.realpath(path)
         # Included keys that could not be read, so that nothing more can be said of them.
@@ -189,7 +188,8 @@ def _put(around: Mapping | Items, word: str, node: Node) -> None:
         around.put(word, node)
 
 
-def _case_path(source: str | Path | None) -> tuple[Path, str]:
+def case_path(source: str | Path | None) -> tuple[Path, str]:
+    """The file of a case and its name in messages; raises CaseError where there is none."""
     if source is None:
         source = "paper"
     written = str(source)

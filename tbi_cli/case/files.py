@@ -6,8 +6,12 @@ import codecs
 import os
 import re
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 
+from tbi_cli.case.builtin import configs_folder
 from tbi_cli.case.messages import CaseError, Place, Problem, Source, fail
 
 MAX_BYTES = 1_000_000
@@ -22,13 +26,38 @@ _KINDS = (
 )
 
 
+_home: ContextVar[str] = ContextVar("home", default="")
+
+
+@contextmanager
+def case_folder(case: Path) -> Iterator[None]:
+    """While a case is read: files outside its folder are `foreign`, links followed; built-in ones are not.
+
+    The folder of a built-in case, which has none of the user's files, is the working directory.
+    """
+    token = _home.set(os.path.realpath(Path() if _is_below(case, configs_folder()) else case.parent))
+    try:
+        yield
+    finally:
+        _home.reset(token)
+
+
+def _is_foreign(path: Path) -> bool:
+    home = _home.get()
+    return bool(home) and not _is_below(path, Path(home)) and not _is_below(path, configs_folder())
+
+
+def _is_below(path: Path, folder: Path) -> bool:
+    return Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
+
+
 def read_source(path: Path, name: str) -> Source:
     """The text of `path`, called `name` in messages.
 
     Raises CaseError when it is missing, unreadable, not a regular file, too large, not UTF-8 or holds
     control characters.
     """
-    return decoded(_content(path, name), name, path.parent)
+    return decoded(_content(path, name), name, path.parent, foreign=_is_foreign(path))
 
 
 def read_table_source(path: Path, name: str) -> Source:
@@ -48,7 +77,7 @@ def read_table_source(path: Path, name: str) -> Source:
             text = content.decode(encoding)
         except UnicodeDecodeError:
             continue
-        return checked(Source(name=name, text=text, folder=path.parent))
+        return checked(Source(name=name, text=text, folder=path.parent, foreign=_is_foreign(path)))
     raise fail(name, "not text in UTF-8, UTF-16 or Latin-1; save the table as UTF-8")
 
 
@@ -74,14 +103,15 @@ def _content(path: Path, name: str) -> bytes:
     return content
 
 
-def decoded(content: bytes, name: str, folder: Path) -> Source:
+def decoded(content: bytes, name: str, folder: Path, *, foreign: bool = False) -> Source:
     """The bytes as text; raises CaseError with the place of what is not UTF-8 or not printable."""
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        raise fail(name, f"not UTF-8 text: byte {content[error.start]:#04x} on line {line}") from None
-    return checked(Source(name=name, text=text, folder=folder))
+        byte = "a byte" if foreign else f"byte {content[error.start]:#04x}"
+        raise fail(name, f"not UTF-8 text: {byte} on line {line}") from None
+    return checked(Source(name=name, text=text, folder=folder, foreign=foreign))
 
 
 def checked(source: Source) -> Source:

@@ -12,7 +12,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from tbi_cli.case.checks import Finding, contradictions, oddities, sweep_contradictions
-from tbi_cli.case.document import Document, ExtraAxis
+from tbi_cli.case.document import Document, ExtraAxis, case_path
+from tbi_cli.case.files import case_folder
 from tbi_cli.case.keys import accepts, fields_of, is_list, part_of
 from tbi_cli.case.messages import (
     MOST_ERRORS,
@@ -55,7 +56,12 @@ def load_case(
 
     Raises CaseError, whose text holds every problem found, each with its place.
     """
-    document = Document(source)
+    path, name = case_path(source)
+    with case_folder(path):
+        return _loaded(Document(path, name), overrides, extra_axis, strict)
+
+
+def _loaded(document: Document, overrides: Sequence[str], extra_axis: ExtraAxis | None, strict: bool) -> Case:
     for option in overrides:
         try:
             document.override(option)

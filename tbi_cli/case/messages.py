@@ -5,7 +5,7 @@ from __future__ import annotations
 import bisect
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
@@ -86,6 +86,11 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     return f"known here: {', '.join(words)}" if words else "nothing is known here"
 
 
+# What a key may look like: a line such as root:x:0: is one to YAML as well, and no word of a train.
+_KEY = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}|[0-9]{1,6}")
+_CONTENT = re.compile(r'(?<!e\.g\. )"[^"]*"|\*\S+')  # quoted values, but for examples, and aliases
+
+
 @dataclass(frozen=True)
 class Source:
     """A text that was read: a case file, an included or built-in file, or an option of the command line."""
@@ -94,6 +99,8 @@ class Source:
     text: str = ""
     folder: Path = field(default_factory=Path)
     is_option: bool = False
+    #: A file outside the case's folder: a case from a stranger may name any, and what is in it is not shown.
+    foreign: bool = False
 
     @cached_property
     def _line_starts(self) -> list[int]:
@@ -131,7 +138,7 @@ class Place:
     def excerpt(self) -> str:
         """The line, with a caret beneath the key and a wavy line beneath the value; empty for an option."""
         text = self.source.line(self.line)
-        if self.source.is_option or not text.strip():
+        if self.source.is_option or self.source.foreign or not text.strip():
             return ""
         start = max(0, self.column - 1 - _SHOWN_WIDTH // 2) if len(text) > _SHOWN_WIDTH else 0
         shown = printable(text[start : start + _SHOWN_WIDTH].replace("\t", " "))
@@ -155,8 +162,19 @@ class Problem:
 
     def render(self, kind: str = "") -> str:
         """`place: key: text`, then the line that it stands on; `kind` is put before the key."""
-        parts = [str(self.place) if self.place else "", kind, printable(self.key), printable(self.text)]
+        shown = withheld(self) if self.place and self.place.source.foreign else self
+        parts = [str(self.place) if self.place else "", kind, printable(shown.key), printable(shown.text)]
         return ": ".join(part for part in parts if part) + (self.place.excerpt() if self.place else "")
+
+
+def withheld(problem: Problem) -> Problem:
+    """The problem without what stands in the file, but for the keys, which are the field's own words."""
+    key = ".".join(word if _KEY.fullmatch(word) else "..." for word in problem.key.split("."))
+    text, got, _ = problem.text.partition(", got ")
+    text = _CONTENT.sub("...", text)
+    if got:
+        text += ", got something else (what is in files outside the case's folder is not shown)"
+    return replace(problem, key=key if problem.key else "", text=text)
 
 
 def in_order(problems: Sequence[Problem], first: Source) -> list[Problem]:

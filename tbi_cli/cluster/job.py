@@ -10,7 +10,12 @@ from tbi_cli.errors import UserError
 from tbi_cli.shards import Shard
 
 # Slurm reads paths in job scripts with quotes and backslashes of its own meaning.
-_AWKWARD = re.compile(r"[\"'\\\x00-\x1f]")
+_AWKWARD = re.compile(r"[\"'\\]")
+
+
+def _is_text(words: str) -> bool:
+    """Whether a shell script can hold it: no null characters, and no bytes that are not UTF-8."""
+    return re.search("[\0\ud800-\udfff]", words) is None
 
 
 @dataclass(frozen=True)
@@ -36,8 +41,11 @@ class Allowance:
         for name, value in words.items():
             if re.search(r"\s", value):
                 raise UserError(f"--{name}: expected one word, got {value!r}")
+        for name, lines in (*((name, (value,)) for name, value in words.items()), ("setup", self.setup)):
+            if not all(_is_text(line) for line in lines):
+                raise UserError(f"--{name}: expected text, got {lines[0]!r}")
         for line in self.extra:
-            if not re.fullmatch(r"--?[A-Za-z][^\n\r]*", line):
+            if not re.fullmatch(r"--?[A-Za-z][^\n\r]*", line) or not _is_text(line):
                 raise UserError(f"--sbatch: expected an option of sbatch, e.g. --qos=long; got {line!r}")
 
 
@@ -54,9 +62,9 @@ class ArrayRun:
     allowance: Allowance = field(default_factory=Allowance)
 
     def __post_init__(self) -> None:
-        if _AWKWARD.search(str(self.results)):
+        if _AWKWARD.search(str(self.results)) or not str(self.results).isprintable():
             raise UserError(
-                f"{str(self.results)!r}: quotes, backslashes and control characters confuse Slurm"
+                f"{str(self.results)!r}: quotes, backslashes and what cannot be printed confuse Slurm"
             )
 
     @property

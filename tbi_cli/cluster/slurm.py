@@ -13,6 +13,7 @@ from tbi_cli.errors import UserError
 
 _USUAL_LARGEST_INDEX = 1000
 _SECONDS_TO_ANSWER = 60
+_SHOWN = 1000  # characters of what a command says in a message
 
 
 class SlurmError(UserError):
@@ -25,7 +26,7 @@ def largest_array_index() -> int:
         told = _ask(["scontrol", "show", "config"])
     except SlurmError:
         told = ""
-    found = re.search(r"^MaxArraySize\s*=\s*(\d+)", told, re.MULTILINE)
+    found = re.search(r"^MaxArraySize\s*=\s*([0-9]{1,9})\b", told, re.MULTILINE)
     return max(int(found[1]) - 1 if found else _USUAL_LARGEST_INDEX, 1)
 
 
@@ -44,7 +45,10 @@ def send(script: Path, *, array: str = "", after: str = "") -> str:
     command += [f"--array={array}"] if array else []
     command += [f"--dependency={after}", "--kill-on-invalid-dep=yes"] if after else []
     answer = _ask([*command, str(script)])
-    return answer.strip().split(";")[0]
+    job = answer.strip().split(";")[0]
+    if re.fullmatch("[0-9]{1,18}", job) is None:
+        raise SlurmError(f"sbatch: expected the number of a job, got {_in_short(answer) or 'nothing'}")
+    return job
 
 
 def cancel(job: str) -> None:
@@ -80,14 +84,19 @@ def requeue_this_job(*, progress_made: bool) -> str:
 def _ask(command: Sequence[str]) -> str:
     """What a command of Slurm prints.  Raises SlurmError."""
     try:
-        answer = subprocess.run(
-            command, capture_output=True, text=True, timeout=_SECONDS_TO_ANSWER, check=False
-        )
+        answer = subprocess.run(command, capture_output=True, timeout=_SECONDS_TO_ANSWER, check=False)
     except FileNotFoundError:
         raise SlurmError(f"{command[0]}: not found") from None
     except (OSError, subprocess.TimeoutExpired) as error:
         raise SlurmError(f"{command[0]}: {error}") from None
+    out, err = (stream.decode("utf-8", "surrogateescape") for stream in (answer.stdout, answer.stderr))
     if answer.returncode:
-        said = " ".join((answer.stderr or answer.stdout).split())
+        said = _in_short(err or out)
         raise SlurmError(f"{command[0]}: {said or f'ended with code {answer.returncode}'}")
-    return answer.stdout
+    return out
+
+
+def _in_short(answer: str) -> str:
+    """An answer on one line, which may be of any length."""
+    line = " ".join(answer.split())
+    return line if len(line) <= _SHOWN else f"{line[:_SHOWN]}..."

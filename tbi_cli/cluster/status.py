@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -31,7 +32,9 @@ from tbi_cli.store import (
     open_results,
     studies_of,
 )
+from tbi_cli.store.errors import is_missing
 from tbi_cli.store.lock import LOCK_FILE, read_holder
+from tbi_cli.store.opening import is_there, resolve
 from tbi_cli.store.parts import parts_folder
 from tbi_cli.store.picked import numbers_in, refined_axis
 from tbi_cli.studies import solver_of
@@ -39,6 +42,10 @@ from tbi_cli.studies import solver_of
 # The pace of a run is that of its latest batches: it may have stood still before, or had other neighbours.
 _LATEST = 20
 _LOOKS = 5
+_SECONDS_OF_LOOKS = 3.0
+# More shards than scenarios are none that tbi sends; by hand one may have one number for all of one's runs.
+_MANY_SHARDS = 1000
+_MOST_PER_KEPT = 1000  # scenarios that a refined grid may have for each that it keeps
 
 
 @dataclass(frozen=True)
@@ -116,9 +123,12 @@ def run_status(paths: Sequence[Path], case: Case | None = None) -> RunStatus:
     needed where nothing has been computed yet, and must be the one that the files hold.  Raises UserError
     where there is nothing to tell about.
     """
+    begin = time.monotonic()
     for _ in range(_LOOKS - 1):
         with contextlib.suppress(FileNotFoundError, StoreError):
             return _look(paths, case)
+        if time.monotonic() - begin > _SECONDS_OF_LOOKS:  # what takes so long is not just ending
+            break
         time.sleep(0.2)  # a run that is just ending puts its files away
     return _look(paths, case)
 
@@ -126,15 +136,19 @@ def run_status(paths: Sequence[Path], case: Case | None = None) -> RunStatus:
 def _look(paths: Sequence[Path], case: Case | None) -> RunStatus:
     with contextlib.ExitStack() as stack:
         opened: list[_Opened] = []
-        for path, shard in chain.from_iterable(_files(named.resolve()) for named in paths):
+        for path, shard in chain.from_iterable(_files(resolve(named)) for named in paths):
             results = _open(path)
             for part in results.values():
                 stack.enter_context(part)
-            opened.append(_Opened(path, _shard_in(results) or shard, results))
+            opened.append(_Opened(path, _shard_in(path, results) or shard, results))
         of = {file.shard.of for file in opened if file.shard is not None}
         if len(of) > 1:
             counts = ", ".join(map(str, sorted(of)))
             raise UserError(f"{paths[0]}: the shards are of different numbers ({counts})")
+        grids = _Grids(_case_of(opened, case, paths[0]))
+        most = max(_MANY_SHARDS, grids.size)
+        if of and max(of) > most:
+            raise UserError(f"{paths[0]}: expected at most {most} shards, got {max(of)}")
         there = {file.shard.number for file in opened if file.shard is not None}
         opened += [
             _Opened(None, Shard(number, n), {})
@@ -143,7 +157,6 @@ def _look(paths: Sequence[Path], case: Case | None) -> RunStatus:
             if number not in there
         ]
         opened.sort(key=lambda file: file.shard.number if file.shard else 0)
-        grids = _Grids(_case_of(opened, case, paths[0]))
         told = {name: RunStatus(tuple(grids.status(name, file) for file in opened)) for name in grids.names}
         if list(told) == [""]:
             return told[""]
@@ -166,6 +179,7 @@ class _Grids:
     def __init__(self, case: Case) -> None:
         self._parts = solver_of(case).parts
         self.names = tuple(self._parts)
+        self.size = sum(len(part.scenarios) for part in self._parts.values())
 
     @lru_cache  # noqa: B019 - one case in a process
     def _owners(self, of: int) -> dict[str, NDArray[np.int64]]:
@@ -235,14 +249,26 @@ def _together(file: _Opened, studies: Sequence[FileStatus]) -> FileStatus:
 
 def _files(path: Path) -> list[tuple[Path, Shard | None]]:
     """The files that a path stands for: itself, or the shards that were sent off or lie beside it."""
-    if path.exists() or parts_folder(path).exists():
+    if is_there(path) or is_there(parts_folder(path)):
         return [(path, None)]
     note = read_note(submission_folder(path))
-    if note is not None:
-        shards = [Shard(number, note["shards"]) for number in range(1, note["shards"] + 1)]
-        return [(shard.path(submission_folder(path) / "shards" / path.name), shard) for shard in shards]
-    beside = {Shard.of_path(found, path) for found in path.parent.iterdir()} if path.parent.is_dir() else ()
-    return [(shard.path(path), shard) for shard in beside if shard is not None] or [(path, None)]
+    if note is None:
+        return [(shard.path(path), shard) for shard in _shards_at(path)] or [(path, None)]
+    sent = submission_folder(path) / "shards" / path.name
+    # One stands for all that are not begun, so that their number is known.
+    shards = {shard for shard in _shards_at(sent) if shard.of == note["shards"]} or {Shard(1, note["shards"])}
+    return [(shard.path(sent), shard) for shard in shards]
+
+
+def _shards_at(path: Path) -> set[Shard]:
+    """The shards of a results file that are begun or finished in its folder."""
+    try:
+        found = [Shard.of_path(file, path) for file in path.parent.iterdir()]
+    except OSError as error:
+        if is_missing(error):
+            return set()
+        raise StoreError.from_os(path.parent, error) from error
+    return {shard for shard in found if shard is not None}
 
 
 def _open(path: Path) -> dict[str, Results]:
@@ -250,16 +276,19 @@ def _open(path: Path) -> dict[str, Results]:
     found = {}
     for study in studies_of(path) or ("",):
         results = open_parts(path, study)
-        if results is None and path.exists():
+        if results is None and is_there(path):
             results = open_results(path, study=study)
         if results is not None:
             found[study] = results
     return found
 
 
-def _shard_in(results: Mapping[str, Results]) -> Shard | None:
+def _shard_in(path: Path, results: Mapping[str, Results]) -> Shard | None:
     texts = [str(part.attributes.get("shard", "")) for part in results.values()]
-    return Shard.parse(texts[0]) if texts and texts[0] else None
+    try:
+        return Shard.parse(texts[0]) if texts and texts[0] else None
+    except UserError:
+        raise StoreError(f"{path}: is not a shard of a run") from None
 
 
 def _case_of(opened: Sequence[_Opened], case: Case | None, named: Path) -> Case:
@@ -272,16 +301,29 @@ def _case_of(opened: Sequence[_Opened], case: Case | None, named: Path) -> Case:
             case = stored_case(str(whole.get("case", "")))
             if case is None:
                 raise UserError(f"{file.path}: holds a case that this version of tbi cannot read")
-        if whole.get("case_sha256") != case.sha256:
+        if whole.get("case_sha256") != case.sha256 or not _fits(file.results, case):
             raise UserError(f"{file.path}: holds another case")
     if case is None:
         raise UserError(f"{named}: nothing has been computed yet")
     return case
 
 
+def _fits(results: Mapping[str, Results], case: Case) -> bool:
+    """Whether grids are as large as those of a case; a refined one keeps but some of its scenarios."""
+    grids = case.studies or {"": case}
+    for name, found in results.items():
+        if name not in grids:
+            return False
+        wanted = math.prod(len(axis) for axis in grids[name].axes)
+        refined = any(axis.refinement is not None for axis in grids[name].axes)
+        if not wanted / (_MOST_PER_KEPT if refined else 1) <= found.layout.size <= wanted:
+            return False
+    return True
+
+
 def _state(file: _Opened) -> tuple[str, str]:
     """What goes on with a file that is not complete, and who is at it."""
-    if file.path is None or not parts_folder(file.path).exists():
+    if file.path is None or not is_there(parts_folder(file.path)):
         return ("incomplete" if file.results else "not begun"), ""
     holder = read_holder(parts_folder(file.path) / LOCK_FILE)
     if holder is None or holder.is_gone():

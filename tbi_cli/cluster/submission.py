@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
+import os
+import re
 import shlex
 import shutil
 import sys
@@ -19,12 +22,17 @@ from tbi_cli.cluster.job import Allowance, ArrayRun, submission_folder
 from tbi_cli.cluster.joining import statuses
 from tbi_cli.cluster.scripts import scripts
 from tbi_cli.errors import UserError
-from tbi_cli.store import FAILED, StoreError
+from tbi_cli.shards import MOST_SHARDS
+from tbi_cli.store import FAILED, StoreError, check_output
 from tbi_cli.store.durable import write_text
+from tbi_cli.store.errors import is_missing
 from tbi_cli.store.lock import refuse_if_held
+from tbi_cli.store.opening import is_there
 from tbi_cli.store.parts import parts_folder
+from tbi_cli.store.plain import read_plain
 
 _NOTE = "submission.json"
+_MOST_BYTES = 1 << 16  # of the note
 _USUAL_SHARDS = 16
 
 
@@ -52,23 +60,49 @@ def submit(
     from tbi_cli.studies import kernels_of, solver_of
 
     slurm.check_here()
+    check_output(run.results, overwrite=True)
     _check(run, case, resume=resume, overwrite=overwrite)
     compile_kernels(say, kernels_of(solver_of(case)))
-    for folder in (run.folder, run.folder / "log", run.folder / "shards"):
-        folder.mkdir(exist_ok=True)
-    if overwrite:
-        _remove_shards(run)
-    write_text(run.case, case_text(case, run.results.name))
     made = scripts(run, report=report)
-    for name, text in made.items():
-        write_text(run.script(name), text)
+    try:
+        _write(run, {run.case: case_text(case, run.results.name)}, made, afresh=overwrite)
+    except OSError as error:
+        for folder in (*_subfolders(run), run.folder):
+            with contextlib.suppress(OSError):  # what holds anything stays
+                folder.rmdir()
+        raise SubmitError.from_os(
+            os.fsdecode(error.filename2 or error.filename or run.folder), error
+        ) from error
     left = tuple(number for number in range(1, run.shards + 1) if not _is_finished(run.shard_file(number)))
     if not left and _is_finished(run.results):
         return Sent({}, left)
     jobs = _send(run, made, left)
-    note = {"shards": run.shards, "jobs": jobs}
-    write_text(run.folder / _NOTE, json.dumps(note, indent=1))
+    try:
+        write_text(run.folder / _NOTE, json.dumps({"shards": run.shards, "jobs": jobs}, indent=1))
+    except OSError as error:
+        _take_back(jobs)
+        raise SubmitError.from_os(run.folder / _NOTE, error, "the jobs were taken back") from error
     return Sent(jobs, left)
+
+
+def _subfolders(run: ArrayRun) -> tuple[Path, Path]:
+    return run.folder / "log", run.folder / "shards"
+
+
+def _write(run: ArrayRun, texts: dict[Path, str], made: dict[str, str], *, afresh: bool) -> None:
+    """Writes the case and the scripts of a run, without shards of an earlier one if it begins afresh."""
+    for folder in (run.folder, *_subfolders(run)):
+        folder.mkdir(exist_ok=True)
+    if afresh:
+        _remove_shards(run)
+    for path, text in {**texts, **{run.script(name): text for name, text in made.items()}}.items():
+        write_text(path, text)
+
+
+def _take_back(jobs: dict[str, str]) -> None:
+    for job in jobs.values():
+        with contextlib.suppress(slurm.SlurmError):  # the first error is the one to tell
+            slurm.cancel(job)
 
 
 def _send(run: ArrayRun, made: Iterable[str], left: Sequence[int]) -> dict[str, str]:
@@ -83,8 +117,7 @@ def _send(run: ArrayRun, made: Iterable[str], left: Sequence[int]) -> dict[str, 
             else:
                 jobs[name] = slurm.send(run.script(name), after=f"afterok:{jobs['merge']}")
     except slurm.SlurmError:
-        for job in jobs.values():
-            slurm.cancel(job)
+        _take_back(jobs)
         raise
     return jobs
 
@@ -128,6 +161,8 @@ def array_run(
 
     A run that is resumed keeps its number of shards.
     """
+    if results.name in ("", ".."):
+        raise SubmitError(f"{results}: is a folder; name a file in it")
     note = read_note(submission_folder(results)) if resume else None
     grids = case.studies.values() if case.studies else [case]
     scenarios = sum(math.prod(len(axis) for axis in grid.axes) for grid in grids)
@@ -161,14 +196,22 @@ def case_text(case: Case, results: str) -> str:
 
 
 def read_note(folder: Path) -> dict[str, Any] | None:
-    """What was sent from a submission's folder; None if nothing was."""
+    """What was sent from a submission's folder; None if nothing was.  Raises UserError for any other file."""
+    path = folder / _NOTE
     try:
-        note = json.loads((folder / _NOTE).read_text(encoding="utf-8"))
-        return {"shards": int(note["shards"]), "jobs": dict(note["jobs"])}
-    except FileNotFoundError:
-        return None
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise SubmitError(f"{folder / _NOTE}: cannot be read ({error})") from None
+        note = json.loads(read_plain(path, _MOST_BYTES))
+        shards, jobs = note["shards"], {str(name): str(job) for name, job in note["jobs"].items()}
+    except OSError as error:
+        if is_missing(error):
+            return None
+        raise SubmitError.from_os(path, error) from None
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        raise SubmitError(f"{path}: is not what tbi writes there") from None
+    if type(shards) is not int or not 1 <= shards <= MOST_SHARDS:
+        raise SubmitError(f"{path}: expected 1 to {MOST_SHARDS} shards, got {shards!r:.20}")
+    if not all(re.fullmatch("[0-9]{1,18}", job) for job in jobs.values()):
+        raise SubmitError(f"{path}: is not what tbi writes there")
+    return {"shards": shards, "jobs": jobs}
 
 
 def _check(run: ArrayRun, case: Case, *, resume: bool, overwrite: bool) -> None:
@@ -177,7 +220,7 @@ def _check(run: ArrayRun, case: Case, *, resume: bool, overwrite: bool) -> None:
         raise SubmitError("--resume and --overwrite exclude each other")
     note = read_note(run.folder)
     if note is None:
-        if run.results.exists() and not overwrite:
+        if is_there(run.results) and not overwrite:
             raise SubmitError(f"{run.results}: exists already; --overwrite replaces it")
         return
     if not (resume or overwrite):
@@ -210,9 +253,9 @@ def _remove_shards(run: ArrayRun) -> None:
 
 def _is_finished(shard: Path) -> bool:
     """Whether a shard's results file is there, complete, and no failed scenario is to be tried again."""
-    if not shard.exists() or parts_folder(shard).exists():
-        return False
     try:
+        if not is_there(shard) or is_there(parts_folder(shard)):
+            return False
         return not (statuses(shard) == FAILED).any()
     except StoreError:
         return False

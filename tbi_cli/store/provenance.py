@@ -12,6 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import tbi_cli
+from tbi_cli.printable import printable
 from tbi_cli.store.layout import Scalar
 
 
@@ -28,9 +29,9 @@ def provenance(
         "tbi_version": tbi_cli.__version__,
         "case": case_yaml,
         "case_sha256": case_sha256,
-        "command": shlex.join(command),
+        "command": printable(shlex.join(command)),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        "host": socket.gethostname(),
+        "host": printable(socket.gethostname()),
         "numpy_version": version("numpy"),
         "numba_version": version("numba"),
         "h5py_version": version("h5py"),
