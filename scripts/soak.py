@@ -1,9 +1,9 @@
 #!/usr/bin/env python
-"""Kills, full disks, clusters, shortages: whatever happens, nothing is lost and the bits are the same.
+"""Kills, full disks, hostile files, clusters, shortages: nothing is lost and the bits are the same.
 
     python scripts/soak.py                  all of it (most of an hour)
-    python scripts/soak.py kills slurm      some of it: kills, disk, kernels, jobs, shards, dask,
-                                            slurm, environment, streams, shortages, interrupts
+    python scripts/soak.py kills slurm      some of it: kills, disk, kernels, paths, strangers, jobs, shards,
+                                            dask, slurm, environment, streams, shortages, interrupts
     python scripts/soak.py --short          a few kills and full disks, for the tests
 
 Prints what was done and counted, and ends with exit code 1 if anything did not hold.  Dask and Slurm are
@@ -23,18 +23,17 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from soaking.clusters import dask, jobs, shards, slurm
 from soaking.common import Soak
+from soaking.hostile import paths, strangers
 from soaking.kills import child, kills
 from soaking.places import disk, kernels
 from soaking.surroundings import environment, interrupts, shortages, streams
 
-SECTIONS: dict[str, Callable[[Soak], None]] = {
-    function.__name__: function
-    for function in (
-        *(kills, disk, kernels, jobs, shards, dask, slurm),
-        *(environment, streams, shortages, interrupts),
-    )
-}
-SHORT = ("kills", "disk")
+FUNCTIONS = (
+    *(kills, disk, kernels, paths, strangers, jobs, shards, dask, slurm),
+    *(environment, streams, shortages, interrupts),
+)
+SECTIONS: dict[str, Callable[[Soak], None]] = {function.__name__: function for function in FUNCTIONS}
+SHORT = ("kills", "disk", "paths", "strangers")
 
 
 def main() -> int:
