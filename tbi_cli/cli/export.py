@@ -13,7 +13,10 @@ from tbi_cli.cli import options
 def export(
     results: options.ResultsFile,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder to write into.  [default: RESULTS-tables]")
+        Path | None,
+        typer.Option(
+            "-o", "--output", readable=False, help="Folder to write into.  [default: RESULTS-tables]"
+        ),
     ] = None,
     form: Annotated[Literal["csv", "parquet"], typer.Option("--format", help="csv or parquet.")] = "csv",
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace files that are there.")] = False,

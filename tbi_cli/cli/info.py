@@ -23,7 +23,8 @@ _PROVENANCE = (
 def info(
     results: options.ResultsFile,
     diff: Annotated[
-        Path | None, typer.Option("--diff", metavar="OTHER.h5", help="Say what differs from OTHER.")
+        Path | None,
+        typer.Option("--diff", readable=False, metavar="OTHER.h5", help="Say what differs from OTHER."),
     ] = None,
     verbose: options.Verbose = False,
 ) -> None:

@@ -9,7 +9,9 @@ import typer
 
 
 def init(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where to write case.yaml.")] = Path(),
+    folder: Annotated[
+        Path, typer.Argument(readable=False, metavar="DIR", help="Where to write case.yaml.")
+    ] = Path(),
     train: Annotated[str, typer.Option("--train", help="A built-in train.")] = "paper",
     bridge: Annotated[
         str | None,

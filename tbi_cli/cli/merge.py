@@ -12,9 +12,12 @@ from tbi_cli.cli import options
 
 def merge(
     shards: Annotated[
-        list[Path], typer.Argument(metavar="SHARDS", help="The results files of all shards of one run.")
+        list[Path],
+        typer.Argument(readable=False, metavar="SHARDS", help="The results files of all shards of one run."),
     ],
-    output: Annotated[Path, typer.Option("-o", "--output", help="The results file to write.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", readable=False, help="The results file to write.")
+    ],
     partial: Annotated[
         bool, typer.Option("--partial", help="Accept missing shards; their scenarios stay to be done.")
     ] = False,

@@ -15,9 +15,10 @@ OptionalCaseFile = Annotated[
     str | None,
     typer.Argument(metavar="CASE.yaml", help="A case file or a built-in name.  [default: the paper's case]"),
 ]
-ResultsFile = Annotated[Path, typer.Argument(metavar="RESULTS.h5", help="A results file.")]
+ResultsFile = Annotated[Path, typer.Argument(readable=False, metavar="RESULTS.h5", help="A results file.")]
 Output = Annotated[
-    Path | None, typer.Option("-o", "--output", help="Results file.  [default: output.file of the case]")
+    Path | None,
+    typer.Option("-o", "--output", readable=False, help="Results file.  [default: output.file of the case]"),
 ]
 Jobs = Annotated[
     int | None,

@@ -13,12 +13,17 @@ from tbi_cli.cli import options
 def report(
     results: Annotated[
         list[Path],
-        typer.Argument(metavar="RESULTS.h5", help="Results files, finished or not.", show_default=False),
+        typer.Argument(
+            readable=False, metavar="RESULTS.h5", help="Results files, finished or not.", show_default=False
+        ),
     ],
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", help="Folder of the report.  [default: RESULTS-report, beside the first file]"
+            "-o",
+            "--output",
+            readable=False,
+            help="Folder of the report.  [default: RESULTS-report, beside the first file]",
         ),
     ] = None,
     channels: Annotated[

@@ -16,10 +16,15 @@ FAILED = 1
 def reproduce(
     results: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="RESULTS.h5", help="Results files.  [default: run what is needed]"),
+        typer.Argument(
+            readable=False, metavar="RESULTS.h5", help="Results files.  [default: run what is needed]"
+        ),
     ] = None,
     output: Annotated[
-        Path, typer.Option("-o", "--output", help="Folder for the results files and the comparison.")
+        Path,
+        typer.Option(
+            "-o", "--output", readable=False, help="Folder for the results files and the comparison."
+        ),
     ] = Path("reproduction"),
     jobs: options.Jobs = None,
     overwrite: options.Overwrite = False,

@@ -14,11 +14,16 @@ FELL_SHORT = 1
 
 def verify(
     output: Annotated[
-        Path, typer.Option("-o", "--output", help="The page to write; an earlier one is replaced.")
+        Path,
+        typer.Option("-o", "--output", readable=False, help="The page to write; an earlier one is replaced."),
     ] = Path("verification.html"),
     keep: Annotated[
         Path | None,
-        typer.Option("--keep", help="Folder for the case files and results files.  [default: none kept]"),
+        typer.Option(
+            "--keep",
+            readable=False,
+            help="Folder for the case files and results files.  [default: none kept]",
+        ),
     ] = None,
     quiet: options.Quiet = False,
 ) -> None:

@@ -25,6 +25,7 @@ def check_output(path: str | os.PathLike[str], *, resume: bool = False, overwrit
     if resume and overwrite:
         raise StoreError("--resume and --overwrite exclude each other")
     path = resolve(path)
+    is_there(path)  # or it cannot be told, which is to be said of the file itself
     refuse_if_held(parts_folder(path), path)
     check_path(path, resume=resume, overwrite=overwrite)
     return path

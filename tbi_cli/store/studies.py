@@ -59,7 +59,7 @@ def heading_of(path: str | os.PathLike[str]) -> Heading:
     `StoreError` for a file that is damaged.
     """
     path = resolve(path)
-    if not os.path.isfile(path):  # noqa: PTH113 - Path.is_file raises where a name is too long
+    if not (is_there(path) and path.is_file()):
         return _of_parts(path) or Heading((), {})
     vet(path, lambda: _of_file(path))
     return _of_file(path)
