@@ -58,9 +58,10 @@ def draw_marks(axes: Axes, panel: Panel, x_factor: float, y_factor: float, unit:
             others.append(middle)
             _annotate(axes, mark_text(mark.label), (middle, 1.0), above, (0, height), "center", colour)
     if rows > 1:
+        labels = {curve.place: curve.label for curve in panel.curves}
         for row, place in enumerate(places):
             height = 2.0 + ROW * (rows - 1 - row)
-            label = f"{panel.curves[place].label} {unit}"
+            label = f"{labels.get(place, '')} {unit}"  # no curve where nothing is solved yet
             _annotate(axes, label, (1.0, 1.0), "axes fraction", (4, height), "left", style.colour(place))
     return rows
 

@@ -136,6 +136,15 @@ def test_an_unreadable_lock_is_somebodys(place: Path) -> None:
     assert (folder / "lock").exists()
 
 
+def test_a_report_of_what_is_not_solved_in_full(place: Path) -> None:
+    """A shard lacks whole curves, each with marks of its own."""
+    histories = "output.histories={channels: [right_midspan], every: 0.05 s}"
+    shard = ("--set", histories, "--shard", "1/2", "-o", "part.h5", "-q")
+    assert forked("run", "case.yaml", *shard, folder=place).code == 0
+    ended = forked("report", "part.h5", "--formats", "png", "-q", folder=place)
+    assert (ended.code, ended.err) == (0, b"")
+
+
 @given(st.text(st.characters(codec=None)))  # lone surrogates too
 def test_printable(text: str) -> None:
     shown = printable(text)

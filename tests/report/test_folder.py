@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -102,3 +105,35 @@ def test_after_any_sequence_of_reports_the_last_one_and_the_users_files_are_ther
     for report in reports:
         write(folder, **dict.fromkeys(report, "made"))
     assert names(folder) == {f"{name}.txt" for name in reports[-1] | own}
+
+
+def test_what_a_kill_leaves_is_swept_and_what_lives_is_not(tmp_path: Path) -> None:
+    """A report that is being made, one that was killed, and folders of others whose names are like it."""
+    others = [".report-mine", ".report-12345678x", ".report2-abcdefgh", "report-abcdefgh"]
+    for name in others:
+        (tmp_path / name).mkdir()
+    (tmp_path / ".report-linked__").symlink_to(tmp_path / others[0])
+    ready, done = os.pipe()
+    child = os.fork()
+    if child == 0:
+        with contextlib.suppress(BaseException), report_folder(tmp_path / "report") as scratch:
+            (scratch / "half").touch()
+            os.write(done, scratch.name.encode())
+            signal.pause()
+        os._exit(0)
+    killed = tmp_path / os.read(ready, 100).decode()
+    with report_folder(tmp_path / "report") as scratch:
+        (scratch / "fig15.txt").touch()
+        assert killed.exists()  # it lives
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        assert killed.exists()
+        with report_folder(tmp_path / "report"):
+            assert not killed.exists()
+            assert scratch.exists()
+    assert names(tmp_path) == {*others, ".report-linked__", "report"}
+
+
+def test_names_as_long_as_can_be(tmp_path: Path) -> None:
+    write(tmp_path / ("橋" * 85), fig15="of three bytes each")
+    assert names(tmp_path) == {"橋" * 85}

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
+import os
 import random
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 import pytest
 
-from tbi_cli.store import StoreError, open_results, studies_of
+from tbi_cli.store import ResultsStore, StoreError, open_parts, open_results, studies_of
 from tbi_cli.store.compare import changed_keys
 from tbi_cli.store.layout import FORMAT_VERSION, STUDIES_FORMAT
 from tests.store.example import batch, content, layout, solve
@@ -95,6 +97,17 @@ def references_as_attribute(file: h5py.File) -> None:
 HUGE = {"shape": (10**6, 10**7), "dtype": "f8", "chunks": (1000, 1000)}
 GRID = np.ones((2, 3))
 
+
+def channel_named(name: str) -> Callable[[h5py.File], None]:
+    """The name of a channel leads elsewhere, to where there is a table of the same shape."""
+
+    def change(file: h5py.File) -> None:
+        file["peak/way"] = h5py.ExternalLink("other.h5", "/")
+        file.attrs["channels"] = name
+
+    return change
+
+
 HARM: dict[str, Callable[[h5py.File], None]] = {
     "not ours": lambda f: f.attrs.clear(),
     "another format": attribute("format", "netcdf"),
@@ -154,6 +167,11 @@ HARM: dict[str, Callable[[h5py.File], None]] = {
     "a history that lacks a channel": delete("histories/1/body_1_y"),
     "a history that is a dataset": replace_by("histories/1", GRID),
     "channels that are not there": attribute("channels", "body_0_y ../../etc/passwd"),
+    "a channel in another group": channel_named("../rms/body_0_y"),
+    "a channel behind a slash": channel_named("way/peak/body_0_y"),
+    "a channel that is the group": channel_named("."),
+    "a version in bytes": attribute("format_version", np.bytes_(b"\x1b[2J\xff")),
+    "a version without end": attribute("format_version", "9" * 50_000),
     "unknown factors": attribute("daf", "right middle"),
 }
 
@@ -161,6 +179,7 @@ HARM: dict[str, Callable[[h5py.File], None]] = {
 @pytest.mark.parametrize("harm", HARM.values(), ids=HARM)
 def test_harm(good: Path, tmp_path: Path, harm: Callable[[h5py.File], None]) -> None:
     path = shutil.copy(good, tmp_path / "results.h5")
+    shutil.copy(good, tmp_path / "other.h5")
     with h5py.File(path, "a") as file:
         harm(file)
     with pytest.raises(StoreError) as caught:
@@ -168,6 +187,7 @@ def test_harm(good: Path, tmp_path: Path, harm: Callable[[h5py.File], None]) -> 
     message = str(caught.value)
     assert message.startswith(str(tmp_path))
     assert message.isprintable()
+    assert len(message) < len(str(tmp_path)) + 400
 
 
 def test_what_does_no_harm(good: Path, tmp_path: Path) -> None:
@@ -261,8 +281,24 @@ def test_a_file_that_the_library_would_never_be_done_with(good: Path, tmp_path: 
     whole[heap + 16 : heap + 32] = bytes(16)  # the first object's number, use and size
     path = tmp_path / "results.h5"
     path.write_bytes(whole)
-    with pytest.raises(StoreError, match="damaged in a way that the HDF5 library cannot bear"):
+    unbearable = "damaged in a way that the HDF5 library cannot bear"
+    with pytest.raises(StoreError, match=unbearable):
         read_all(path)
+    with pytest.raises(StoreError, match=unbearable):  # a run looks first, as every reader does
+        ResultsStore(path, OF, resume=True)
+    # A run that would complete the file, and has done something already.
+    path.write_bytes(good.read_bytes())
+    with ResultsStore(path, OF, resume=True) as store:
+        store.write(batch(OF, [0]))
+    path.write_bytes(whole)
+    with pytest.raises(StoreError, match=unbearable):
+        ResultsStore(path, OF, resume=True)
+    with pytest.raises(StoreError, match=unbearable):
+        open_parts(path)
+    with ResultsStore(path, OF, overwrite=True) as store:  # what is there is of no concern
+        store.write(batch(OF, range(6)))
+        store.finish()
+    assert content(path) == content(good)
 
 
 @pytest.mark.parametrize("name", ["", "missing.h5", "folder", "missing/results.h5", "nul\0.h5", "x" * 300])
@@ -299,9 +335,51 @@ def test_parts_without_a_sound_layout(tmp_path: Path, text: str) -> None:
         open_results(tmp_path / "results.h5")
 
 
-def test_a_damaged_part(tmp_path: Path) -> None:
-    from tbi_cli.store import ResultsStore
+Change = Callable[[dict[str, Any]], object]
+CHANGES: dict[str, Change] = {
+    "NaN": lambda data: data["dims"][1].update(values=[float("nan")] * 3),
+    "no end": lambda data: data["dims"][1].update(values=[1.0, 2.0, float("inf")]),
+    "a huge grid": lambda data: data.update(dims=[data["dims"][0] | {"values": [0.0] * 10_000}] * 5),
+    "a name that leads elsewhere": lambda data: data["channels"][0].update(name="../../x"),
+    "no name": lambda data: data["channels"][0].update(name=""),
+    "an axis of lists": lambda data: data["dims"][0].update(values=[[1.0]]),
+    "an axis of text": lambda data: data["dims"][0].update(values=["1"] * 2 + ["x"]),
+    "an attribute that is no number": lambda data: data["attributes"].update(solve_seconds=float("nan")),
+}
 
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
+def test_a_layout_that_cannot_be(tmp_path: Path, change: Change) -> None:
+    """Refused before an array is made of it."""
+    path = tmp_path / "results.h5"
+    with ResultsStore(path, OF) as store:
+        store.write(batch(OF, [0, 1, 2]))
+    file = tmp_path / "results.h5.parts" / "layout.json"
+    data = json.loads(file.read_text())
+    change(data)
+    file.write_text(json.dumps(data))
+    for act in (lambda: open_results(path), lambda: ResultsStore(path, OF, resume=True)):
+        with pytest.raises(StoreError) as caught:
+            act()
+        assert str(caught.value).startswith(f"{file}: ")
+
+
+@pytest.mark.parametrize("name", ["layout.json", "studies.json", "000000.h5"])
+def test_pipes_among_the_parts_are_not_waited_for(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "results.h5"
+    with ResultsStore(path, OF) as store:
+        store.write(batch(OF, [0, 1, 2]))
+    file = tmp_path / "results.h5.parts" / name
+    file.unlink(missing_ok=True)
+    os.mkfifo(file)
+    os.mkfifo(file.with_name("lock"))
+    with pytest.raises(StoreError, match="is not a regular file"):
+        studies_of(path), open_results(path)
+    with ResultsStore(path, OF, overwrite=True):  # the lock is taken, as nobody holds it
+        pass
+
+
+def test_a_damaged_part(tmp_path: Path) -> None:
     path = tmp_path / "results.h5"
     with ResultsStore(path, OF) as store:
         store.write(batch(OF, [0, 1, 2], failed=[1]))
