@@ -46,8 +46,8 @@ _BOUNDS = f"""
 keys, {MAX_KEYS} of them in one mapping, nested {MAX_DEPTH} levels deep; each file that it includes as much
 again. Tags, merge keys (`<<`) and several documents in one file are not used.
 
-A file that a case names may lie in any folder. Of one outside the folder of the case, links followed, messages
-tell line, column and key, but nothing of what is in it: a case from a stranger may name files that are yours.
+A file that a case names may lie in any folder. Of one outside the folder of the case, links followed,
+messages tell line, column and key, but nothing of what is in it: a stranger's case may name files of yours.
 """
 
 _SWEEP = """

@@ -15,3 +15,5 @@ def test_short_soak() -> None:
     assert done.returncode == 0, done.stdout + done.stderr
     assert "kills: holds" in done.stdout
     assert "disk: holds" in done.stdout
+    assert "paths: holds" in done.stdout
+    assert "strangers: holds" in done.stdout

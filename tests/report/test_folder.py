@@ -121,16 +121,22 @@ def test_what_a_kill_leaves_is_swept_and_what_lives_is_not(tmp_path: Path) -> No
             os.write(done, scratch.name.encode())
             signal.pause()
         os._exit(0)
-    killed = tmp_path / os.read(ready, 100).decode()
-    with report_folder(tmp_path / "report") as scratch:
-        (scratch / "fig15.txt").touch()
-        assert killed.exists()  # it lives
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
-        assert killed.exists()
-        with report_folder(tmp_path / "report"):
-            assert not killed.exists()
-            assert scratch.exists()
+    try:
+        killed = tmp_path / os.read(ready, 100).decode()
+        with report_folder(tmp_path / "report") as scratch:
+            (scratch / "fig15.txt").touch()
+            assert killed.exists()  # it lives
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            child = 0
+            assert killed.exists()
+            with report_folder(tmp_path / "report"):
+                assert not killed.exists()
+                assert scratch.exists()
+    finally:
+        if child:
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
     assert names(tmp_path) == {*others, ".report-linked__", "report"}
 
 
