@@ -31,7 +31,8 @@ def accident(dice: random.Random, file: Path) -> str:
     """Changes a file of a run; returns what was done, in a few words."""
     match file.suffix:
         case ".h5" if dice.random() < 0.7:
-            return _in_tree(dice, file)
+            with contextlib.suppress(OSError, RuntimeError):  # after another accident
+                return _in_tree(dice, file)
         case ".json" if dice.random() < 0.8:
             with contextlib.suppress(ValueError, TypeError, IndexError):  # after another accident
                 return _in_json(dice, file)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -15,24 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tbi_cli.case import Case
-from tbi_cli.cluster.job import submission_folder
-from tbi_cli.cluster.submission import read_note
+from tbi_cli.cluster.found import Opened, case_of, files_of, opened_by_study, shard_in
 from tbi_cli.errors import UserError
 from tbi_cli.plan import costs_of, dealt
 from tbi_cli.refine import refiner_of
-from tbi_cli.report.stored_case import stored_case
 from tbi_cli.shards import Shard
 from tbi_cli.store import (
     DONE,
     FAILED,
     Results,
     StoreError,
-    heading_of,
-    open_parts,
-    open_results,
-    studies_of,
 )
-from tbi_cli.store.errors import is_missing
 from tbi_cli.store.lock import LOCK_FILE, read_holder
 from tbi_cli.store.opening import is_there, resolve
 from tbi_cli.store.parts import parts_folder
@@ -45,7 +37,6 @@ _LOOKS = 5
 _SECONDS_OF_LOOKS = 3.0
 # More shards than scenarios are none that tbi sends; by hand one may have one number for all of one's runs.
 _MANY_SHARDS = 1000
-_MOST_PER_KEPT = 1000  # scenarios that a refined grid may have for each that it keeps
 
 
 @dataclass(frozen=True)
@@ -135,23 +126,23 @@ def run_status(paths: Sequence[Path], case: Case | None = None) -> RunStatus:
 
 def _look(paths: Sequence[Path], case: Case | None) -> RunStatus:
     with contextlib.ExitStack() as stack:
-        opened: list[_Opened] = []
-        for path, shard in chain.from_iterable(_files(resolve(named)) for named in paths):
-            results = _open(path)
+        opened: list[Opened] = []
+        for path, shard in chain.from_iterable(files_of(resolve(named)) for named in paths):
+            results = opened_by_study(path)
             for part in results.values():
                 stack.enter_context(part)
-            opened.append(_Opened(path, _shard_in(path, results) or shard, results))
+            opened.append(Opened(path, shard_in(path, results) or shard, results))
         of = {file.shard.of for file in opened if file.shard is not None}
         if len(of) > 1:
             counts = ", ".join(map(str, sorted(of)))
             raise UserError(f"{paths[0]}: the shards are of different numbers ({counts})")
-        grids = _Grids(_case_of(opened, case, paths[0]))
+        grids = _Grids(case_of(opened, case, paths[0]))
         most = max(_MANY_SHARDS, grids.size)
         if of and max(of) > most:
             raise UserError(f"{paths[0]}: expected at most {most} shards, got {max(of)}")
         there = {file.shard.number for file in opened if file.shard is not None}
         opened += [
-            _Opened(None, Shard(number, n), {})
+            Opened(None, Shard(number, n), {})
             for n in of
             for number in range(1, n + 1)
             if number not in there
@@ -162,15 +153,6 @@ def _look(paths: Sequence[Path], case: Case | None) -> RunStatus:
             return told[""]
         rows = zip(*(status.files for status in told.values()), strict=True)
         return RunStatus(tuple(_together(file, row) for file, row in zip(opened, rows, strict=True)), told)
-
-
-@dataclass(frozen=True)
-class _Opened:
-    """A file and what it holds by study; nothing before its first batch."""
-
-    path: Path | None
-    shard: Shard | None
-    results: Mapping[str, Results]
 
 
 class _Grids:
@@ -195,7 +177,7 @@ class _Grids:
             return np.ones(len(self._parts[name].scenarios), dtype=bool), False
         return self._owners(shard.of)[name] == shard.number, False
 
-    def status(self, name: str, file: _Opened) -> FileStatus:
+    def status(self, name: str, file: Opened) -> FileStatus:
         """How far one grid of a file is."""
         results, scenarios = file.results.get(name), self._parts[name].scenarios
         status = np.zeros(len(scenarios), dtype=np.int8)
@@ -231,7 +213,7 @@ class _Grids:
         )
 
 
-def _together(file: _Opened, studies: Sequence[FileStatus]) -> FileStatus:
+def _together(file: Opened, studies: Sequence[FileStatus]) -> FileStatus:
     """How far a file of several studies is."""
     first = next((study for study in studies if study.state != "finished"), studies[0])
     known = [study.seconds_per_step for study in studies if study.seconds_per_step is not None]
@@ -247,81 +229,7 @@ def _together(file: _Opened, studies: Sequence[FileStatus]) -> FileStatus:
     )
 
 
-def _files(path: Path) -> list[tuple[Path, Shard | None]]:
-    """The files that a path stands for: itself, or the shards that were sent off or lie beside it."""
-    if is_there(path) or is_there(parts_folder(path)):
-        return [(path, None)]
-    note = read_note(submission_folder(path))
-    if note is None:
-        return [(shard.path(path), shard) for shard in _shards_at(path)] or [(path, None)]
-    sent = submission_folder(path) / "shards" / path.name
-    # One stands for all that are not begun, so that their number is known.
-    shards = {shard for shard in _shards_at(sent) if shard.of == note["shards"]} or {Shard(1, note["shards"])}
-    return [(shard.path(sent), shard) for shard in shards]
-
-
-def _shards_at(path: Path) -> set[Shard]:
-    """The shards of a results file that are begun or finished in its folder."""
-    try:
-        found = [Shard.of_path(file, path) for file in path.parent.iterdir()]
-    except OSError as error:
-        if is_missing(error):
-            return set()
-        raise StoreError.from_os(path.parent, error) from error
-    return {shard for shard in found if shard is not None}
-
-
-def _open(path: Path) -> dict[str, Results]:
-    """What a run has written so far, by study; nothing before its first batch."""
-    found = {}
-    for study in studies_of(path) or ("",):
-        results = open_parts(path, study)
-        if results is None and is_there(path):
-            results = open_results(path, study=study)
-        if results is not None:
-            found[study] = results
-    return found
-
-
-def _shard_in(path: Path, results: Mapping[str, Results]) -> Shard | None:
-    texts = [str(part.attributes.get("shard", "")) for part in results.values()]
-    try:
-        return Shard.parse(texts[0]) if texts and texts[0] else None
-    except UserError:
-        raise StoreError(f"{path}: is not a shard of a run") from None
-
-
-def _case_of(opened: Sequence[_Opened], case: Case | None, named: Path) -> Case:
-    """The case of all files; raises UserError if they are of several."""
-    for file in opened:
-        if not file.results or file.path is None:
-            continue
-        whole = file.results[""].attributes if "" in file.results else heading_of(file.path).attributes
-        if case is None:
-            case = stored_case(str(whole.get("case", "")))
-            if case is None:
-                raise UserError(f"{file.path}: holds a case that this version of tbi cannot read")
-        if whole.get("case_sha256") != case.sha256 or not _fits(file.results, case):
-            raise UserError(f"{file.path}: holds another case")
-    if case is None:
-        raise UserError(f"{named}: nothing has been computed yet")
-    return case
-
-
-def _fits(results: Mapping[str, Results], case: Case) -> bool:
-    """Whether grids are as large as those of a case; a refined one keeps but some of its scenarios."""
-    grids = case.studies or {"": case}
-    for name, found in results.items():
-        if name not in grids:
-            return False
-        wanted = math.prod(len(axis) for axis in grids[name].axes)
-        refined = any(axis.refinement is not None for axis in grids[name].axes)
-        if not wanted / (_MOST_PER_KEPT if refined else 1) <= found.layout.size <= wanted:
-            return False
-    return True
-
-
-def _state(file: _Opened) -> tuple[str, str]:
+def _state(file: Opened) -> tuple[str, str]:
     """What goes on with a file that is not complete, and who is at it."""
     if file.path is None or not is_there(parts_folder(file.path)):
         return ("incomplete" if file.results else "not begun"), ""
