@@ -19,12 +19,7 @@ from tbi_cli.errors import UserError
 from tbi_cli.plan import costs_of, dealt
 from tbi_cli.refine import refiner_of
 from tbi_cli.shards import Shard
-from tbi_cli.store import (
-    DONE,
-    FAILED,
-    Results,
-    StoreError,
-)
+from tbi_cli.store import DONE, FAILED, Results, StoreError
 from tbi_cli.store.lock import LOCK_FILE, read_holder
 from tbi_cli.store.opening import is_there, resolve
 from tbi_cli.store.parts import parts_folder
