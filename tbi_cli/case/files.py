@@ -35,7 +35,7 @@ def case_folder(case: Path) -> Iterator[None]:
 
     The folder of a built-in case, which has none of the user's files, is the working directory.
     """
-    token = _home.set(os.path.realpath(Path() if _is_below(case, configs_folder()) else case.parent))
+    token = _home.set(str(_real(Path() if _is_below(case, configs_folder()) else case.parent)))
     try:
         yield
     finally:
@@ -48,7 +48,12 @@ def _is_foreign(path: Path) -> bool:
 
 
 def _is_below(path: Path, folder: Path) -> bool:
-    return Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
+    return _real(path).is_relative_to(_real(folder))
+
+
+def _real(path: Path) -> Path:
+    """The path with links followed; a path that none can have, with a null character, as it is."""
+    return path if "\0" in str(path) else Path(os.path.realpath(path))
 
 
 def read_source(path: Path, name: str) -> Source:
