@@ -13,7 +13,7 @@ from typing import Any, TextIO, cast
 
 
 def printable(text: str) -> str:
-    """``text`` on one line, what cannot be printed escaped: ``\\x1b``, ``\\t``, ``\\u202e``.
+    """``text`` on one line, what cannot be printed escaped: ``\\x1b``, ``\\u202e``.
 
     A byte of a file name that is not UTF-8 (in Python a lone surrogate) is written as that byte: ``\\xff``.
     """
@@ -46,7 +46,9 @@ def printable_streams() -> Iterator[None]:
 def _escaped(character: str) -> str:
     code = ord(character)
     if 0xDC80 <= code <= 0xDCFF:
-        return f"\\x{code - 0xDC00:02x}"
+        code -= 0xDC00
+    if code < 0x100:
+        return f"\\x{code:02x}"
     return character.encode("unicode_escape").decode("ascii")
 
 

@@ -21,6 +21,14 @@ SECRETS = {
     "alias": "a: *hunter2\n",
     "table": "position,force\n0,hunter2\n",
     "heading": "hunter2;x\n1;2\n",
+    "units": "x [m],right [hunter2]\n0,1\n1,0\n",
+    "units of forces": "position [hunter2];force [kN]\n0;1\n",
+    "another column": "position;force;hunter2 x;x;right\n0;1;2;0;1\n1;1;2;1;1\n",
+    "a comment": "# hunter2 x\n0,1\n1,0\n",
+    "spacings": "spacing,force\nhunter2,1\n",
+    "decimal commas": "x;right\n0,5 hunter2;1\n",
+    "a row too long": "position,force\n0,1,hunter2\n",
+    "blanks": "hunter2 position force\n0 1 hunter2\n",
     "twice": "hunter2 2: 1\nhunter2 2: 2\n",
     "bytes": "hunter2\udcff",
     "control": "hunter2 \x07",
@@ -34,6 +42,14 @@ KEYS = (
 )
 
 
+def said_of(case: Path, strict: bool) -> str:
+    """What is wrong with a case, or odd about it."""
+    try:
+        return "\n".join(load_case(case, strict=strict).warnings)
+    except CaseError as error:
+        return str(error)
+
+
 @pytest.mark.parametrize("secret", SECRETS.values(), ids=SECRETS)
 def test_what_is_in_other_folders_is_not_shown(tmp_path: Path, secret: str) -> None:
     folder = tmp_path / "case"
@@ -45,9 +61,7 @@ def test_what_is_in_other_folders_is_not_shown(tmp_path: Path, secret: str) -> N
         for name in ("../secret", "link.yaml", str(tmp_path / "secret")):
             case.write_text(key.format(name) + ("\n" + CASE.split("\n", 1)["bridge:" in key]))
             for strict in (False, True):
-                with pytest.raises(CaseError) as caught:
-                    load_case(case, strict=strict)
-                assert "hunter2" not in str(caught.value).replace(str(tmp_path), "")
+                assert "hunter2" not in said_of(case, strict)
     with pytest.raises(CaseError) as caught:
         load_case(folder / "link.yaml")
     assert "hunter2" not in str(caught.value)
