@@ -15,10 +15,9 @@ from tbi_cli.report.stored_case import stored_case
 from tbi_cli.shards import Shard
 from tbi_cli.store import Results, StoreError, heading_of, open_parts, open_results, studies_of
 from tbi_cli.store.errors import is_missing
+from tbi_cli.store.layout import MOST_CASES
 from tbi_cli.store.opening import is_there
 from tbi_cli.store.parts import parts_folder
-
-_MOST_PER_KEPT = 1000  # scenarios that a refined grid may have for each that it keeps
 
 
 @dataclass(frozen=True)
@@ -92,13 +91,16 @@ def case_of(opened: Sequence[Opened], case: Case | None, named: Path) -> Case:
 
 
 def _fits(results: Mapping[str, Results], case: Case) -> bool:
-    """Whether grids are as large as those of a case; a refined one keeps but some of its scenarios."""
+    """Whether grids have the shapes of those of a case; a refined axis keeps but some of its values."""
     grids = case.studies or {"": case}
-    for name, found in results.items():
-        if name not in grids:
-            return False
-        wanted = math.prod(len(axis) for axis in grids[name].axes)
-        refined = any(axis.refinement is not None for axis in grids[name].axes)
-        if not wanted / (_MOST_PER_KEPT if refined else 1) <= found.layout.size <= wanted:
-            return False
-    return True
+    return all(name in grids and _has_shape(found, grids[name]) for name, found in results.items())
+
+
+def _has_shape(found: Results, case: Case) -> bool:
+    wanted = [len(axis) for axis in case.axes] or [1]
+    refined = [axis.refinement is not None for axis in case.axes] or [False]
+    return (
+        len(found.shape) == len(wanted)
+        and all(n == m or (n < m and may) for n, m, may in zip(found.shape, wanted, refined, strict=True))
+        and math.prod(wanted) <= MOST_CASES
+    )
