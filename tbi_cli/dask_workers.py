@@ -15,7 +15,7 @@ from tbi_cli.workers import Indices, Numbered, RemoteSolver, in_background, para
 
 _SECONDS_TO_ANSWER = 10.0
 _SECONDS_FOR_A_WORKER = 30.0
-_SAFE = "what was finished is safe: continue with --resume"
+_SAFE = "what was finished is safe"
 
 
 class DaskCrew:
@@ -52,11 +52,13 @@ class DaskCrew:
         except Exception as error:
             self._check()
             if isinstance(error, CancelledError):
-                raise RunFailedError(f"the Dask scheduler at {self._address} was lost; {_SAFE}") from None
+                raise RunFailedError(
+                    f"the Dask scheduler at {self._address} was lost; {_SAFE}"
+                ).kept() from None
             if isinstance(error, TimeoutError):
                 raise RunFailedError(
                     f"the Dask cluster at {self._address} has no workers any more; {_SAFE}"
-                ) from None
+                ).kept() from None
             raise
 
     def _cancel(self) -> None:
@@ -67,12 +69,12 @@ class DaskCrew:
     def _check(self) -> None:
         """Raises RunFailedError if a task will never end: joblib waits for what Dask has given up."""
         if self._client.status != "running":
-            raise RunFailedError(f"the Dask scheduler at {self._address} was lost; {_SAFE}")
+            raise RunFailedError(f"the Dask scheduler at {self._address} was lost; {_SAFE}").kept()
         for state in list(self._client.futures.values()):
             if state.status == "error":
                 raise RunFailedError(
                     f"the Dask cluster at {self._address} gave up a batch: {state.exception}; {_SAFE}"
-                )
+                ).kept()
 
 
 def _connect(address: str) -> Any:

@@ -15,9 +15,16 @@ class UserError(Exception):
     """
 
     exit_code: ClassVar[int] = 2
+    #: Whether what was finished is kept and the run can go on: whoever knows the command then says so.
+    goes_on: bool = False
 
     def __init__(self, *lines: str) -> None:
         super().__init__("\n".join(map(printable, lines)))
+
+    def kept(self) -> Self:
+        """The same error, of a run that can go on."""
+        self.goes_on = True
+        return self
 
     @classmethod
     def from_os(cls, path: str | os.PathLike[str], error: OSError, advice: str = "") -> Self:

@@ -9,7 +9,8 @@ from tbi_cli.case import Axis, Case, Consist
 from tbi_cli.case.refinement import LEAST_PARTS
 from tbi_cli.refine import usual_scenarios
 from tbi_cli.resources import available_cpus
-from tbi_cli.runner import check_memory, plan_of, results_layout, rounds_of
+from tbi_cli.rounds import Rounds
+from tbi_cli.runner import check_memory, plan_of, results_layout
 from tbi_cli.solve import Solver
 from tbi_cli.store.layout import TABLES
 from tbi_cli.studies import solver_of
@@ -25,8 +26,8 @@ def estimate(case: Case) -> list[str]:
     solver = solver_of(case)
     parts = solver.parts
     layouts = [results_layout(part, {}) for part in parts.values()]
-    check_memory(list(parts.values()), layouts)
-    rounds_of(solver)
+    check_memory(case, list(parts.values()), layouts)
+    Rounds(solver)
     usual = [usual_scenarios(part) for part in parts.values()]
     scenarios = sum(int(mask.sum()) for mask in usual)
     weights = np.concatenate(

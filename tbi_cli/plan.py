@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.errors import UserError
 from tbi_cli.integrator.arrays import LANES
 from tbi_cli.scenarios import Scenarios
 from tbi_cli.shards import deal
@@ -18,10 +17,6 @@ from tbi_cli.timegrid import TimeGridError, time_grid
 _LARGEST_BATCH = 8 * LANES
 _LEAST_BATCHES = 32
 _HISTORY_BYTES = 128 * 2**20
-
-
-class PlanError(UserError):
-    """A grid that cannot be run as it is; the text says where and why."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +38,7 @@ def make_plan(
     """Groups the wanted scenarios (n,) into batches of one structure and like length.
 
     Lanes of like length enter and leave the bridge together and end together, so that none idles.
-    Raises PlanError where a scenario's step cannot be stable.
+    Raises RunError where a scenario's step cannot be stable.
     """
     costs = costs_of(scenarios, np.flatnonzero(wanted), history_channels, every)
     steps, sizes = np.where(wanted, costs.steps, 0), np.where(wanted, costs.sizes, 0)
@@ -72,15 +67,12 @@ def joined(plans: Sequence[Plan]) -> Plan:
 def dealt(grids: Mapping[str, Scenarios], of: int) -> dict[str, NDArray[np.int64]]:
     """The number, from 1, of the shard of each scenario of some grids, which are dealt as one.
 
-    The whole grids are looked at, so that every shard cuts them alike.  Raises PlanError, with the name of
-    the grid, where a scenario's step cannot be stable.
+    The whole grids are looked at, so that every shard cuts them alike.  Raises RunError where
+    a scenario's step cannot be stable.
     """
     steps, structures, kinds = [], [], 0
-    for name, scenarios in grids.items():
-        try:
-            costs = costs_of(scenarios, np.arange(len(scenarios)), 0, None)
-        except PlanError as error:
-            raise PlanError(f"studies.{name}: {error}" if name else str(error)) from None
+    for scenarios in grids.values():
+        costs = costs_of(scenarios, np.arange(len(scenarios)), 0, None)
         steps.append(costs.steps)
         structures.append(costs.structure + kinds)
         kinds += int(costs.structure.max()) + 1
@@ -105,7 +97,7 @@ def costs_of(
 ) -> Costs:
     """The costs of some scenarios; zero for the others.
 
-    Raises PlanError where a scenario's step cannot be stable.
+    Raises RunError where a scenario's step cannot be stable.
     """
     costs = Costs(*(np.zeros(len(scenarios), dtype=np.int64) for _ in range(3)))
     structures: dict[tuple[object, ...], int] = {}
@@ -113,8 +105,7 @@ def costs_of(
         try:
             grid = time_grid(case, pace)
         except TimeGridError as error:
-            at = scenarios.describe(index)
-            raise PlanError(f"{error.key}{f' at {at}' if at else ''}: {error}") from None
+            raise scenarios.case.refused(error.key, str(error), scenarios.describe(index)) from None
         costs.steps[index] = grid.steps
         stride = 1 if every is None else grid.stride
         columns = history_channels + 1 if history_channels else 0  # the times are one more

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tbi_cli.case.refinement import LEAST_PARTS
-from tbi_cli.errors import UserError
 from tbi_cli.plan import costs_of
 from tbi_cli.shards import Shard
 from tbi_cli.solve import Solver
@@ -191,7 +190,7 @@ def usual_scenarios(solver: Solver) -> Mask:
 
 
 def _columns(solver: Solver, names: tuple[str, ...] | None) -> list[int]:
-    """The places of the channels that decide in the tables.  Raises UserError for an unknown one."""
+    """The places of the channels that decide in the tables.  Raises RunError for an unknown one."""
     tables = [channel.name for channel in solver.tables]
     if names is None:
         names = tuple(
@@ -202,5 +201,6 @@ def _columns(solver: Solver, names: tuple[str, ...] | None) -> list[int]:
         )
     for name in names:
         if name not in tables:
-            raise UserError(f"sweep.velocity.channels: expected some of {', '.join(tables)}; got {name}")
+            text = f"expected some of {', '.join(tables)}; got {name}"
+            raise solver.case.refused("sweep.velocity.channels", text)
     return [tables.index(name) for name in names]

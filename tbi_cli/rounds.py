@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from tbi_cli.plan import PlanError, dealt
+from tbi_cli.plan import dealt
 from tbi_cli.refine import Refiner, refiner_of
 from tbi_cli.shards import Shard
 from tbi_cli.store import BatchResult, ResultsStore
@@ -20,16 +20,13 @@ class Rounds:
     """The rounds of a run, or of one shard of it, over all its grids, which stand one behind the other.
 
     `own` (n,) are the scenarios that this run keeps; a shard of a refined grid solves a few more, which it
-    leaves to the others to keep.  Raises PlanError where a scenario's step cannot be stable.
+    leaves to the others to keep.  Raises RunError where a scenario's step cannot be stable.
     """
 
     def __init__(self, solver: AnySolver, shard: Shard | None = None) -> None:
         self._refiners: dict[str, Refiner] = {}
         for name, part in solver.parts.items():
-            try:
-                refiner = refiner_of(part, shard)
-            except PlanError as error:
-                raise PlanError(f"studies.{name}: {error}" if name else str(error)) from None
+            refiner = refiner_of(part, shard)
             if refiner is not None:
                 self._refiners[name] = refiner
         grids = {name: part.scenarios for name, part in solver.parts.items() if name not in self._refiners}

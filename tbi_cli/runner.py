@@ -12,10 +12,11 @@ from typing import Protocol
 
 import numpy as np
 
+from tbi_cli.advice import go_on, in_python
 from tbi_cli.case import Axis, Case
 from tbi_cli.errors import RunFailedError, UserError
 from tbi_cli.integrator.kernel_cache import compile_kernels
-from tbi_cli.plan import Plan, PlanError, joined, make_plan
+from tbi_cli.plan import Plan, joined, make_plan
 from tbi_cli.refine import usual_scenarios
 from tbi_cli.resources import available_memory
 from tbi_cli.responses import Channel
@@ -33,14 +34,15 @@ from tbi_cli.store import (
     check_output,
     provenance,
 )
+from tbi_cli.store.compare import refuse_other_run
+from tbi_cli.store.errors import ExistsError, PlaceError, StoreError
 from tbi_cli.store.layout import TABLES, Scalar
+from tbi_cli.store.opening import resolve
+from tbi_cli.store.parts import parts_folder
 from tbi_cli.store.picked import REFINED
+from tbi_cli.store.studies import attributes_of
 from tbi_cli.studies import AnySolver, kernels_of, solver_of
 from tbi_cli.workers import Workers, solve_batches
-
-
-class RunError(UserError):
-    """A run that cannot be made as asked; the text is the complete message."""
 
 
 class Progress(Protocol):
@@ -102,7 +104,7 @@ class Options:
     shard: Shard | None = None
     resume: bool = False
     overwrite: bool = False
-    command: Sequence[str] = ("tbi",)
+    command: Sequence[str] = ()
 
 
 def run(
@@ -118,20 +120,25 @@ def run(
     file, to be resumed.  Raises RunError for what cannot be run, StoreError for trouble with the file,
     RunFailedError where memory, threads or open files run short.
     """
+    options = options or Options()
     try:
-        return _solve(case, options or Options(), progress or Silence(), _Halted(stop))
+        return _solve(case, options, progress or Silence(), _Halted(stop))
+    except (StoreError, RunFailedError) as error:
+        text = f"{error}; {go_on(options.command)}" if error.goes_on else str(error)
+        raise type(error)(text if options.command else in_python(text)) from error
     except Exception as error:
         if isinstance(error, UserError) or (reason := shortage(error)) is None:
             raise
-        raise RunFailedError(f"{reason}; what was finished is kept (fewer --jobs need less)") from error
+        text = f"{reason}; what was finished is kept (fewer --jobs need less); {go_on(options.command)}"
+        raise RunFailedError(text) from error
 
 
 def _solve(case: Case, options: Options, progress: Progress, halted: _Halted) -> Summary:
     options.workers.check()
     output = output_of(case, options)
-    check_output(output, resume=options.resume, overwrite=options.overwrite)
+    _check_output(output, case, options)
     solver = solver_of(case, halted.is_set)
-    rounds = rounds_of(solver, options.shard)
+    rounds = Rounds(solver, options.shard)
     with _store(output, solver, options) as store:
         run = _Run(solver, store, options, progress, halted)
         rounds.learn_stored(store.parts)
@@ -139,14 +146,6 @@ def _solve(case: Case, options: Options, progress: Progress, halted: _Halted) ->
         path = store.finish() if not run.left else store.path
         unsettled = [] if run.left else np.flatnonzero(rounds.unsettled()).tolist()
     return run.summary(path, [solver.describe(index) for index in unsettled])
-
-
-def rounds_of(solver: AnySolver, shard: Shard | None = None) -> Rounds:
-    """Which scenarios are solved when.  Raises RunError where one cannot be solved."""
-    try:
-        return Rounds(solver, shard)
-    except PlanError as error:
-        raise RunError(str(error)) from None
 
 
 class _Run:
@@ -251,32 +250,43 @@ def output_of(case: Case, options: Options) -> Path:
     return path if options.shard is None else options.shard.path(path)
 
 
+def _check_output(output: Path, case: Case, options: Options) -> None:
+    """Raises StoreError, or RunError about the key `output.file`, if the results may not go there."""
+    try:
+        check_output(output, resume=options.resume, overwrite=options.overwrite)
+    except PlaceError as error:
+        if options.output is not None:
+            raise
+        raise case.refused("output.file", str(error)) from None
+    except ExistsError:
+        # What is another run's is not to be completed or replaced by this one.
+        path = resolve(output)
+        where = path if path.exists() else parts_folder(path)
+        refuse_other_run(str(where), attributes_of(path), origin_of(case, options.command, options.shard))
+        raise
+
+
 def _store(output: Path, solver: AnySolver, options: Options) -> ResultsStore | StudiesStore:
     """The store of a run, opened."""
     origin = origin_of(solver.case, options.command, options.shard)
     if isinstance(solver, Solver):
         layout = results_layout(solver, origin)
-        check_memory([solver], [layout])
+        check_memory(solver.case, [solver], [layout])
         return ResultsStore(output, layout, resume=options.resume, overwrite=options.overwrite)
     layouts = {}
     for name, part in solver.parts.items():
         own = {"title": part.case.title, "case": part.case.to_yaml(), "case_sha256": part.case.sha256}
         layouts[name] = results_layout(part, {**origin, **own})
-    check_memory(list(solver.parts.values()), list(layouts.values()))
+    check_memory(solver.case, list(solver.parts.values()), list(layouts.values()))
     return StudiesStore(output, layouts, origin, resume=options.resume, overwrite=options.overwrite)
 
 
 def plan_of(solver: AnySolver, wanted: Mask) -> Plan:
     """The batches for the scenarios that are wanted (n,).  Raises RunError where one cannot be solved."""
     plans, first = [], 0
-    for name, part in solver.parts.items():
+    for part in solver.parts.values():
         own, first = wanted[first : first + len(part.scenarios)], first + len(part.scenarios)
-        try:
-            plans.append(
-                make_plan(part.scenarios, own, len(part.histories), part.case.output.histories.every)
-            )
-        except PlanError as error:
-            raise RunError(f"studies.{name}: {error}" if name else str(error)) from None
+        plans.append(make_plan(part.scenarios, own, len(part.histories), part.case.output.histories.every))
     return joined(plans)
 
 
@@ -298,7 +308,8 @@ def results_layout(solver: Solver, origin: Mapping[str, Scalar]) -> Layout:
         histories = solver.histories
     except KeyError as error:
         known = ", ".join(channel.name for channel in solver.channels)
-        raise RunError(f"output.histories.channels: expected some of {known}; got {error.args[0]}") from None
+        text = f"expected some of {known}; got {error.args[0]}"
+        raise case.refused("output.histories.channels", text) from None
     dims = tuple(replace(_dim(axis), members=tuple(_dim(member) for member in axis.members)) for axis in axes)
     if not axes:
         dims = (Dim("velocity", np.array([case.velocity]), "m/s", "train velocity"),)
@@ -317,7 +328,7 @@ def _dim(axis: Axis) -> Dim:
     return Dim(axis.name, np.array(axis.values, dtype=float), axis.units, axis.long_name)
 
 
-def check_memory(parts: Sequence[Solver], layouts: Sequence[Layout]) -> None:
+def check_memory(case: Case, parts: Sequence[Solver], layouts: Sequence[Layout]) -> None:
     """Raises RunError if the tables of grids do not fit into half of the memory that is free.
 
     Of a refined grid the tables hold the scenarios that are solved, see `usual_scenarios`.
@@ -330,10 +341,11 @@ def check_memory(parts: Sequence[Solver], layouts: Sequence[Layout]) -> None:
     scenarios = sum(sizes)
     free = available_memory()
     if need > free / 2:
-        raise RunError(
-            f"sweep: expected a grid whose tables fit into half of the free memory ({free / 2**30:.1f} GiB), "
+        text = (
+            f"expected a grid whose tables fit into half of the free memory ({free / 2**30:.1f} GiB), "
             f"got {scenarios} scenarios that need {need / 2**30:.1f} GiB; split it into several cases"
         )
+        raise case.refused("studies" if case.studies else "sweep", text)
 
 
 def _variables(channels: Sequence[Channel]) -> tuple[Variable, ...]:

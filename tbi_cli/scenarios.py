@@ -11,9 +11,11 @@ import numpy as np
 
 from tbi_cli.batch import Crosser, Model
 from tbi_cli.case import Axis, Case
+from tbi_cli.case.checks import check_train
+from tbi_cli.case.fields import BadValueError
 from tbi_cli.case.part import replaced
 from tbi_cli.responses import channels
-from tbi_cli.system.assembly import build_system
+from tbi_cli.system.assembly import System, build_system
 from tbi_cli.timegrid import Pace, UnstableStepError, pace_of, time_grid
 from tbi_cli.track import RailProfile, rail_profile
 
@@ -102,7 +104,8 @@ class Scenarios:
             if key in self._models:
                 self._models.move_to_end(key)
                 return self._models[key]
-        made = make_model(case or self.case_of(index))
+        case = case or self.case_of(index)
+        made = make_model(case, self._system(index, case))
         with self._lock:
             if key not in self._models:
                 self._models[key] = made
@@ -143,8 +146,22 @@ class Scenarios:
             if key not in known:
                 if len(known) == _PACES_KEPT:
                     known.clear()
-                known[key] = pace_of(build_system(case))
+                known[key] = pace_of(self._system(index, case))
             yield index, case, known[key]
+
+    def _system(self, index: int, case: Case) -> System:
+        """The system of a scenario.  Raises RunError where swept numbers do not go together.
+
+        Most of these are found when the case is read, but not in a large design.
+        """
+        try:
+            check_train(case)
+        except BadValueError as error:
+            key = next(
+                (f"sweep.{a.key}" for a in self.axes for p in a.paths if p.startswith("train.")), "train"
+            )
+            raise self.case.refused(key, str(error), at=self.describe(index)) from None
+        return build_system(case)
 
     def describe(self, index: int) -> str:
         """The axis values of a scenario in words, for messages."""
@@ -158,9 +175,9 @@ class Scenarios:
         )
 
 
-def make_model(case: Case) -> Model:
-    """The model of a single case."""
-    system = build_system(case)
+def make_model(case: Case, system: System | None = None) -> Model:
+    """The model of a single case, whose system may be there already."""
+    system = system or build_system(case)
     return Model(system, tuple(channels(case, system)), pace_of(system))
 
 

@@ -125,7 +125,7 @@ def time_grid(case: Case, pace: Pace) -> TimeGrid:
         fine = min(fine, widest)
         if case.solver.sampling != "auto" and case.solver.sampling > widest * (1 + 1e-9):
             raise TimeGridError(
-                f"expected at most {widest:.4g} s, {_SAMPLES_PER_CUT_OFF} samples in a period of "
+                f"expected at most {_floor(widest)} s, {_SAMPLES_PER_CUT_OFF} samples in a period of "
                 f"{pace.cut_off:.4g} Hz (bridge.low_pass), got {case.solver.sampling:.4g} s"
             )
     sampling = fine if case.solver.sampling == "auto" else case.solver.sampling
@@ -249,10 +249,16 @@ def _refuse_unstable(system: System, sampling: float, substeps: int) -> None:
         low, high = (middle, high) if _amplification(eigenvalues * middle) <= 1 + 1e-9 else (low, middle)
     needed = math.ceil(sampling / low)
     raise UnstableStepError(
-        f"expected a stable step: at most {low:.4g} s for this train and bridge, "
+        f"expected a stable step: at most {_floor(low)} s for this train and bridge, "
         f"got {h:.4g} s (sampling {sampling:.4g} s in {substeps} substeps); "
         f"use at least {needed} substeps, or auto"
     )
+
+
+def _floor(limit: float) -> str:
+    """A limit to four digits, itself within it."""
+    unit = 10.0 ** (math.floor(math.log10(limit)) - 3)
+    return f"{math.floor(limit / unit * (1 + 1e-12)) * unit:.4g}"
 
 
 def _eigenvalues(K: Matrix, C: Matrix) -> np.ndarray:

@@ -94,8 +94,8 @@ def solve_batches(
                 if lost == _LOST_IN_A_ROW:
                     raise RunFailedError(
                         f"worker processes died {lost} times in a row before a batch was finished (out of "
-                        "memory?); what was finished before is safe: continue with --resume, and fewer --jobs"
-                    ) from None
+                        "memory? fewer --jobs need less of it); what was finished before is safe"
+                    ).kept() from None
             todo.extendleft(under_way.items())
 
 
@@ -287,7 +287,7 @@ class RemoteSolver:
     @classmethod
     def of(cls, solver: AnySolver, master: Master | None = None) -> RemoteSolver:
         """The remote twin of a solver."""
-        return cls(pickle.dumps(solver.case), code_version(), master)
+        return cls(pickle.dumps(solver.case.standing_at(None)), code_version(), master)
 
     def __str__(self) -> str:
         return "tbi batch"  # what Dask calls it

@@ -33,7 +33,8 @@ Units are written as engineers do: `N/mm2`, `N/mm^2` or `N/mm²`, `kN*s/m` or `k
 are errors; a value outside the column *usual* is a warning, and an error with `--strict`. So is a list, a
 range or a distribution with a unit on some of its numbers and none on others (0 needs none): each is read as
 it stands, `[20, 40 km/h]` as 20 and 11.1 m/s. Every key with a number can be set by its dotted name,
-`--set bridge.right.damping.ratio='1 %'`, and swept by it.
+`--set bridge.right.damping.ratio='1 %'`, and swept by it. What can be given in several forms (a damping,
+stations, a range, `csv` or numbers, a `model`) is changed to the form that an option or a study gives.
 
 `tbi schema` prints the same as JSON Schema, by which editors complete and check; see
 [how to write a case file](../how-to/train.md#completion-in-an-editor).
@@ -88,8 +89,8 @@ Two more keys do not name an axis:
 ## studies
 
 Several grids in one file, solved as one run and stored as one group each. A mapping from names to what is
-different in each study: keys of this page, dotted or nested, on top of the rest of the file. A `sweep`, a
-`damping`, and a train that says its `model` replace what is outside; null takes a key away. `output.file`
+different in each study: keys of this page, dotted or nested, on top of the rest of the file. A `sweep` and
+a train that says its `model` replace what is outside; null takes a key away. `output.file`
 stands outside.
 
 How sweeps and studies are written and read back: [my own sweep](../how-to/sweep.md).

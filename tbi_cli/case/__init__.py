@@ -9,7 +9,7 @@ from tbi_cli.case.document import ExtraAxis
 from tbi_cli.case.full_train import BogieEnd, FullTrain, Suspension
 from tbi_cli.case.geometry import Geometry
 from tbi_cli.case.load import load_case
-from tbi_cli.case.messages import CaseError
+from tbi_cli.case.messages import CaseError, RunError
 from tbi_cli.case.model import Case
 from tbi_cli.case.settings import Contact, Histories, Output, Solver
 from tbi_cli.case.simple_vehicles import MovingLoad, RigidBeam, SprungMass
@@ -46,6 +46,7 @@ __all__ = [
     "Ramp",
     "Random",
     "RigidBeam",
+    "RunError",
     "Solver",
     "SprungMass",
     "Suspension",

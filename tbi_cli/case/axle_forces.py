@@ -16,6 +16,8 @@ class AxleForces(MovingLoad):
     `csv` is read where the case is: in a Case, `positions` and `forces` hold what the file says.
     """
 
+    forms = (frozenset({"csv"}), frozenset({"positions", "forces"}))
+
     model: Literal["axle-forces"]  # type: ignore[assignment]
     forces: Forces
     positions: Positions

@@ -51,6 +51,8 @@ class Damping(Part):
     for all modes. `form` says which, `value` is the number.
     """
 
+    forms = tuple(frozenset({form}) for form in DAMPING_FORMS)
+
     coefficient: Annotated[float, COEFFICIENT] | None = None
     first_mode_ratio: (
         Annotated[
@@ -135,6 +137,8 @@ _FRACTION = Quantity("share of the span", RATIO, "25 %", "not negative", largest
 
 class Stations(Part):
     """Where the beams are looked at besides mid-span: positions, or fractions of the span."""
+
+    forms = (frozenset({"positions"}), frozenset({"fractions"}))
 
     positions: Annotated[tuple[Annotated[float, _POSITION], ...], AtMost(MOST_STATIONS)] = ()
     fractions: Annotated[tuple[Annotated[float, _FRACTION], ...], AtMost(MOST_STATIONS)] = ()

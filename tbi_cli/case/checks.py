@@ -142,21 +142,26 @@ def _geometry_contradictions(case: Case, axes: tuple[Axis, ...]) -> Iterator[Fin
     """Arms, spacings and positions over the corners of the swept distances, on which they depend linearly.
 
     Axes that move together are tried value by value; where these are too many, a train whose arms do not go
-    together is found when its own case is built, and fails alone.
+    together is found when the run is planned.
     """
     for point, key in _corners(case, axes, _GEOMETRY):
-        groups = point.train.consist if isinstance(point.train, Consist) else ()
         try:
-            for vehicle in (point.train, *(group.vehicle for group in groups)):
-                if isinstance(vehicle, FullTrain):
-                    _ = vehicle.geometry.arms
-                elif isinstance(vehicle, MovingLoad):
-                    vehicle.check()
-            for group in groups:
-                group.check()
+            check_train(point)
         except BadValueError as error:
             yield key, str(error)
             return
+
+
+def check_train(case: Case) -> None:
+    """Raises BadValueError where arms, spacings or positions of the train do not go together."""
+    groups = case.train.consist if isinstance(case.train, Consist) else ()
+    for vehicle in (case.train, *(group.vehicle for group in groups)):
+        if isinstance(vehicle, FullTrain):
+            _ = vehicle.geometry.arms
+        elif isinstance(vehicle, MovingLoad):
+            vehicle.check()
+    for group in groups:
+        group.check()
 
 
 def _on_the_track(

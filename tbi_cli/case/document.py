@@ -11,8 +11,10 @@ from pathlib import Path
 from tbi_cli.case.axes import SHORT_NAMES
 from tbi_cli.case.builtin import Kind, builtin_names, builtin_path
 from tbi_cli.case.files import checked, read_source
+from tbi_cli.case.forms import axis_words, becomes_mapping, make_room, put_axis
+from tbi_cli.case.keys import no_such_place
 from tbi_cli.case.messages import CaseError, Problem, Source, fail, quoted, suggestion
-from tbi_cli.case.refinement import REFINE_KEYS
+from tbi_cli.case.places import node_of
 from tbi_cli.case.train_files import resolve_train
 from tbi_cli.case.yaml12 import (
     Entry,
@@ -28,7 +30,7 @@ from tbi_cli.case.yaml12 import (
 from tbi_cli.printable import printable
 
 _INCLUDED: dict[str, Kind] = {"train": "train", "bridge": "bridge"}
-_RANGE_KEYS = ("from", "to", "step", "count", "log", *REFINE_KEYS)
+STUDIES = "studies"
 
 
 @dataclass(frozen=True)
@@ -73,11 +75,16 @@ class Document:
             raise fail(source.name, 'expected a value after "="')
         node, problems = read_yaml(checked(source))
         self.problems += problems
+        # What a study changes is a case of its own, of which much is outside of it.
+        study = 2 if words[0] == STUDIES else 0
+        roots = [root for root in (node_of(self.root, words[:study]), self.root) if isinstance(root, Mapping)]
         around: Mapping | Items = self.root
         for depth, word in enumerate(words[:-1]):
             if depth == 0 and word in _INCLUDED:
                 self.include(word)
-            inner = _child(around, word, source.name)
+            inner = _child(around, words[: depth + 1], source.name)
+            if isinstance(inner, Items) and not words[depth + 1].isdigit():
+                inner = None if becomes_mapping(words[study : depth + 1], roots) else inner
             if isinstance(inner, Mapping) and inner.source is not source:
                 # An alias may stand in several places: change this one only.
                 inner = Mapping(inner.source, inner.line, inner.column, 1, inner.size, dict(inner.entries))
@@ -87,24 +94,36 @@ class Document:
                 inner = Mapping(source, 1, 1)
             _put(around, word, inner)
             around = inner
-        _child(around, words[-1], source.name)
-        if isinstance(node, Scalar) and node.value is None and isinstance(around, Mapping):
-            around.entries.pop(words[-1], None)
+        _child(around, words, source.name)
+        last = words[-1]
+        if isinstance(around, Items):
+            around.items[int(last)] = node
+        elif isinstance(node, Scalar) and node.value is None:
+            around.entries.pop(last, None)
+        elif words[study:-1] == ["sweep"]:
+            put_axis(around, last, node, source)
         else:
-            _put(around, words[-1], node)
+            entry = Entry(node.line, node.column, node.width, source, node)
+            make_room(around, _numbered(words[study:-1]), roots, {last: entry})
+            _put(around, last, node)
 
     def _override_path(self, key: str) -> list[str]:
+        """The words of a dotted key, where the names of axes, which are dotted, are one word."""
         words = key.split(".")
-        before = 2 if words[0] == "studies" and len(words) > 3 else 0
-        if words[before] != "sweep" or len(words) < before + 2:
+        before, rest = (words[:2], words[2:]) if words[0] == STUDIES else ([], words)
+        around = node_of(self.root, before)
+        if rest[:1] == ["sweep"] and len(rest) > 1:
+            sweep = around.get("sweep") if isinstance(around, Mapping) else None
+            return [*before, "sweep", *axis_words(rest[1:], sweep)]
+        if not before or around is None:
             return words
-        around: Node | None = self.root
-        for word in words[: before + 1]:
-            around = around.get(word) if isinstance(around, Mapping) else None
-        axis, stem = ".".join(words[before + 1 :]), ".".join(words[before + 1 : -1])
-        if words[-1] in _RANGE_KEYS and isinstance(around, Mapping) and isinstance(around.get(stem), Mapping):
-            return [*words[: before + 1], stem, words[-1]]
-        return [*words[: before + 1], axis]
+        # What the study does not have itself is changed where it comes from, by a dotted key.
+        own = 0
+        while own < len(rest) - 1 and isinstance(
+            node_of(around, _numbered(rest[: own + 1])), Mapping | Items
+        ):
+            own += 1
+        return [*before, *rest[:own], ".".join(rest[own:])]
 
     def add_axis(self, extra: ExtraAxis) -> None:
         """Appends an axis to the sweep, or puts it in the place of the one that sets the same keys."""
@@ -114,16 +133,7 @@ class Document:
         if not isinstance(sweep, Mapping):
             sweep = Mapping(source, 1, 1)
             self.root.put("sweep", sweep)
-        paths = set(SHORT_NAMES.get(extra.name, (extra.name,)))
-        same = next((key for key in sweep.entries if paths & set(SHORT_NAMES.get(key, (key,)))), None)
-        entries, sweep.entries = sweep.entries, {}
-        for key, entry in entries.items():
-            if key == same:
-                sweep.put(extra.name, value)
-            else:
-                sweep.entries[key] = entry
-        if same is None:
-            sweep.put(extra.name, value)
+        put_axis(sweep, extra.name, value, source)
 
     def include(self, key: str) -> None:
         """Puts the mapping that `train: NAME` or `bridge: NAME` names in the place of the name."""
@@ -169,13 +179,18 @@ class Document:
         return node
 
 
-def _child(around: Mapping | Items, word: str, name: str) -> Node | None:
-    """What stands at a key of a mapping or at a place of a list; raises CaseError for no place of it."""
+def _child(around: Mapping | Items, words: Sequence[str], name: str) -> Node | None:
+    """What stands at the last word, in a mapping or a list; raises CaseError for no place of a list."""
+    word = words[-1]
     if isinstance(around, Mapping):
         return around.get(word)
     if not (word.isdigit() and len(word) < 7 and int(word) < len(around.items)):
-        raise fail(name, f"expected one of 0 to {len(around.items) - 1}, got {quoted(word)}")
+        raise fail(name, no_such_place(words[:-1], word, len(around.items)))
     return around.items[int(word)]
+
+
+def _numbered(words: Sequence[str]) -> list[str | int]:
+    return [int(word) if word.isdigit() else word for word in words]
 
 
 def _put(around: Mapping | Items, word: str, node: Node) -> None:

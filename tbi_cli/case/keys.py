@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from typing import Annotated, Any, get_args, get_origin
@@ -15,7 +15,9 @@ from tbi_cli.case.fields import Accepts, Numeric, Quantity, Whole
 from tbi_cli.case.messages import synonym
 from tbi_cli.case.model import Case
 from tbi_cli.case.part import Part
+from tbi_cli.case.places import Words, node_of
 from tbi_cli.case.train import TRAINS
+from tbi_cli.case.yaml12 import Mapping, Scalar
 
 Chain = tuple[str | int, ...]
 
@@ -45,6 +47,19 @@ def part_of(info: FieldInfo, train_model: str | None) -> type[Part] | None:
     return parts[0] if parts else None
 
 
+def part_at(words: Words, root: Mapping) -> type[Part] | None:
+    """What the mapping at these words should be; of a train or vehicle, by the model that it names."""
+    part: type[Part] | None = Case
+    for depth, word in enumerate(words):
+        if isinstance(word, int):
+            continue
+        found = fields_of(part).get(word) if part else None
+        model = node_of(root, [*words[: depth + 1], "model"])
+        named = model.value if isinstance(model, Scalar) and isinstance(model.value, str) else None
+        part = part_of(found[1], named) if found else None
+    return part
+
+
 def is_list(info: FieldInfo) -> bool:
     """Whether the field is a list of values."""
     return get_origin(info.annotation) is tuple
@@ -71,7 +86,7 @@ def find_number(path: str, case: Any, train_model: str | None) -> tuple[Numeric,
     listed = False
     for depth, word in enumerate(words):
         if listed and isinstance(case, list) and word.isdigit() and not _indexes(case, word):
-            raise UnknownKeyError(_no_such_place(words[:depth], word, len(case)))
+            raise UnknownKeyError(no_such_place(words[:depth], word, len(case)))
         case = case.get(word) if isinstance(case, dict) else case[int(word)] if _indexes(case, word) else None
         if listed and word.isdigit():
             chain.append(int(word))
@@ -102,7 +117,8 @@ def _indexes(case: Any, word: str) -> bool:
     return isinstance(case, list) and word.isdigit() and len(word) < 6 and int(word) < len(case)
 
 
-def _no_such_place(before: list[str], word: str, count: int) -> str:
+def no_such_place(before: Sequence[str], word: str, count: int) -> str:
+    """What is said of a list, at the words before, that has no place of that name."""
     there = f"0 to {count - 1}" if count > 1 else "0 alone" if count else "none"
     return f"{'.'.join(before)} has no {word}; counted from 0, there is {there}"
 

@@ -12,13 +12,12 @@ from typing import Any
 from pydantic import ValidationError
 
 from tbi_cli.case.checks import Finding, contradictions, oddities, sweep_contradictions
-from tbi_cli.case.document import Document, ExtraAxis, case_path
+from tbi_cli.case.document import STUDIES, Document, ExtraAxis, case_path
 from tbi_cli.case.files import case_folder
-from tbi_cli.case.keys import accepts, fields_of, is_list, part_of
+from tbi_cli.case.keys import accepts, fields_of, is_list, part_at
 from tbi_cli.case.messages import (
     MOST_ERRORS,
     CaseError,
-    Place,
     Problem,
     fail,
     in_order,
@@ -28,13 +27,13 @@ from tbi_cli.case.messages import (
 )
 from tbi_cli.case.mixed_units import mixed_lists
 from tbi_cli.case.model import Case, union
-from tbi_cli.case.part import Part
+from tbi_cli.case.places import Places, node_of, place_of, words_of
 from tbi_cli.case.ranges import MAX_VALUES
-from tbi_cli.case.studies import STUDIES, studies_in, told_once
+from tbi_cli.case.studies import studies_in, told_once
 from tbi_cli.case.sweep import Sweep, missing_but_swept
 from tbi_cli.case.track_file import resolve_track
 from tbi_cli.case.train import TRAINS, VEHICLES
-from tbi_cli.case.yaml12 import Items, Mapping, Node, Scalar, entry_place, node_place, plain
+from tbi_cli.case.yaml12 import Items, Mapping, Scalar, plain
 
 # In a message: the value that was found, and why it is not accepted.
 _QUOTED = re.compile(r'"[^"]*"')
@@ -98,7 +97,7 @@ def _with_studies(document: Document, extra_axis: ExtraAxis | None, strict: bool
     problems = [*wrong, *told_once(found, len(studies) + len(found))]
     if problems:
         raise CaseError(in_order(problems, document.root.source))
-    return union(studies, plain(document.root).get("title", ""))
+    return union(studies, plain(document.root).get("title", "")).standing_at(Places(document.root))
 
 
 def _validated(document: Document, sweep: Sweep, strict: bool) -> Case:
@@ -121,7 +120,8 @@ def _validated(document: Document, sweep: Sweep, strict: bool) -> Case:
         warnings += [*mixed_lists(root, case.train.model), *sweep.warnings]
         warnings += _located(oddities(case, axes, has_unit), root)
         if not strict or not warnings:
-            return case.swept(axes, tuple(warning.render("warning") for warning in warnings))
+            texts = tuple(warning.render("warning") for warning in warnings)
+            return case.swept(axes, texts).standing_at(Places(root))
         problems = warnings
     raise CaseError(in_order(problems, root.source))
 
@@ -144,37 +144,14 @@ def _set_if_missing(root: Mapping, path: str, value: float) -> None:
 
 
 def _located(findings: Iterable[Finding], root: Mapping) -> list[Problem]:
-    return [Problem(_place(root, _words(key)), key, text) for key, text in findings]
+    return [Problem(place_of(root, words_of(key)), key, text) for key, text in findings]
 
 
 def _has_unit(root: Mapping, key: str) -> bool:
     """Whether the value of a key, or every value of an axis, was written as a text."""
-    node = _node(root, _words(key))
+    node = node_of(root, words_of(key))
     nodes = node.items if isinstance(node, Items) else [node]
     return all(isinstance(item, Scalar) and isinstance(item.value, str) for item in nodes)
-
-
-def _words(key: str) -> list[str | int]:
-    if key.startswith("sweep."):
-        return ["sweep", key.removeprefix("sweep.")]
-    return [int(word) if word.isdigit() else word for word in key.split(".")]
-
-
-def _place(root: Mapping, words: Sequence[str | int]) -> Place:
-    """The place of a key, or of the nearest mapping around it that is there."""
-    place = node_place(root)
-    node: Node = root
-    for word in words:
-        if isinstance(node, Mapping) and str(word) in node.entries:
-            entry = node.entries[str(word)]
-            included = isinstance(entry.value, Mapping) and entry.value.source is not entry.source
-            place, node = (node_place(entry.value) if included else entry_place(entry)), entry.value
-        elif isinstance(node, Items) and isinstance(word, int) and word < len(node.items):
-            node = node.items[word]
-            place = node_place(node)
-        else:
-            break
-    return place
 
 
 def _problems(error: ValidationError, root: Mapping) -> Iterable[Problem]:
@@ -187,14 +164,14 @@ def _problems(error: ValidationError, root: Mapping) -> Iterable[Problem]:
         if "damping" in words:
             # The coefficient may stand without its name.
             at = words.index("damping")
-            if words[at + 1 :] == ["coefficient"] and not isinstance(_node(root, words[: at + 1]), Mapping):
+            if words[at + 1 :] == ["coefficient"] and not isinstance(node_of(root, words[: at + 1]), Mapping):
                 words = words[: at + 1]
         if words[-1:] in (["train"], ["vehicle"]) and item["type"].startswith("union_tag"):
             words = [*words, "model"]
         words += item.get("ctx", {}).get("at", ())
         key = ".".join(str(word) for word in words)
         text = _text(item["type"], item, words, root)
-        yield Problem(_place(root, words), key, of_many(text, count))
+        yield Problem(place_of(root, words), key, of_many(text, count))
 
 
 def _alike(errors: Sequence[Any]) -> list[tuple[Any, int]]:
@@ -211,22 +188,10 @@ def _alike(errors: Sequence[Any]) -> list[tuple[Any, int]]:
     return [(item, counts[key]) for key, item in first.items()]
 
 
-def _node(root: Node, words: Sequence[str | int]) -> Node | None:
-    node: Node | None = root
-    for word in words:
-        if isinstance(node, Mapping):
-            node = node.get(str(word))
-        elif isinstance(node, Items) and isinstance(word, int) and word < len(node.items):
-            node = node.items[word]
-        else:
-            return None
-    return node
-
-
 def _text(kind: str, item: Any, words: Sequence[str | int], root: Mapping) -> str:
     if kind == "tbi":
         return str(item["msg"])
-    around = _part_at(words[:-1], root)
+    around = part_at(words[:-1], root)
     if kind == "extra_forbidden":
         known = [*fields_of(around), *(["sweep", STUDIES] if around is Case else [])] if around else []
         return f"unknown key; {suggestion(str(words[-1]), known)}"
@@ -242,9 +207,9 @@ def _expected(words: Sequence[str | int], root: Mapping) -> str:
         return f"one of {', '.join(TRAINS if words[-2] == 'train' else VEHICLES)}"
     if words[-1] in ("train", "bridge", "vehicle"):
         return f"a file, a built-in {'bridge' if words[-1] == 'bridge' else 'train'} or a mapping"
-    around = _part_at(words[:-1], root)
+    around = part_at(words[:-1], root)
     found = fields_of(around).get(str(words[-1])) if around and words else None
-    part = _part_at(words, root)
+    part = part_at(words, root)
     if part is not None:
         each = "a list, each " if found and is_list(found[1]) and words[-1] == found[0] else ""
         return f"{each}a mapping with the keys {', '.join(fields_of(part))}"
@@ -253,16 +218,3 @@ def _expected(words: Sequence[str | int], root: Mapping) -> str:
     field = accepts(found[1])
     assert field is not None
     return f"a list, each {field.expected()}" if is_list(found[1]) else field.expected()
-
-
-def _part_at(words: Sequence[str | int], root: Mapping) -> type[Part] | None:
-    """What the mapping at these words should be; of a train or vehicle, by the model that it names."""
-    part: type[Part] | None = Case
-    for depth, word in enumerate(words):
-        if isinstance(word, int):
-            continue
-        found = fields_of(part).get(word) if part else None
-        model = _node(root, [*words[: depth + 1], "model"])
-        named = model.value if isinstance(model, Scalar) and isinstance(model.value, str) else None
-        part = part_of(found[1], named) if found else None
-    return part

@@ -209,6 +209,10 @@ class CaseError(UserError):
         super().__init__(*(line for text in shown for line in text.split("\n")))
 
 
+class RunError(CaseError):
+    """A case that was read and cannot be run as it is."""
+
+
 def fail(name: str, text: str) -> CaseError:
     """The error of a file that cannot be read at all."""
     return CaseError([Problem(None, name, text)])

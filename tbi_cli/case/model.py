@@ -14,7 +14,9 @@ from tbi_cli.case.bridge import Bridge, Damping, Stations
 from tbi_cli.case.consist import Consist, wheelbase_of
 from tbi_cli.case.emit import emit_yaml
 from tbi_cli.case.fields import ACCELERATION, SPEED, Quantity, Text
+from tbi_cli.case.messages import Problem, RunError
 from tbi_cli.case.part import Part, replaced
+from tbi_cli.case.places import Places
 from tbi_cli.case.settings import Contact, Histories, Output, Solver
 from tbi_cli.case.track import Track
 from tbi_cli.case.train import Train
@@ -44,6 +46,8 @@ class Case(Part):
     _axes: tuple[Axis, ...] = PrivateAttr(())
     _warnings: tuple[str, ...] = PrivateAttr(())
     _studies: dict[str, Case] = PrivateAttr({})
+    _places: Places | None = PrivateAttr(None)
+    _study: str = PrivateAttr("")
 
     @property
     def axes(self) -> tuple[Axis, ...]:
@@ -75,11 +79,29 @@ class Case(Part):
 
     def swept(self, axes: tuple[Axis, ...], warnings: tuple[str, ...] = ()) -> Case:
         """The same case with this sweep (and these warnings); the axes are taken as checked."""
-        return self._holding({"_axes": axes, "_warnings": warnings, "_studies": {}})
+        return self._holding(_axes=axes, _warnings=warnings, _studies={})
 
-    def _holding(self, private: dict[str, Any]) -> Case:
+    def standing_at(self, places: Places | None) -> Case:
+        """The same case, whose keys stand there; None: in no file, or in one that is gone."""
+        studies = {} if places is not None else {n: s.standing_at(None) for n, s in self._studies.items()}
+        return self._holding(_places=places, _studies=studies or self._studies)
+
+    def problem(self, key: str, text: str, at: str = "") -> Problem:
+        """What turns out to be wrong, or odd, with a dotted key after the case was read.
+
+        It has the place of the key, if the case is of a file; `at` says in words where in the grid.
+        """
+        place = None if self._places is None else self._places.of(key, self._axes)
+        study = f"studies.{self._study}." if self._study else ""
+        return Problem(place, study + key + (f" at {at}" if at else ""), text)
+
+    def refused(self, key: str, text: str, at: str = "") -> RunError:
+        """The error about a dotted key, for a case that cannot be run; see `problem`."""
+        return RunError([self.problem(key, text, at)])
+
+    def _holding(self, **private: Any) -> Case:
         copy = self.replacing("title", self.title)
-        object.__setattr__(copy, "__pydantic_private__", private)
+        object.__setattr__(copy, "__pydantic_private__", {**(self.__pydantic_private__ or {}), **private})
         return copy
 
     def at(self, values: Mapping[str, float]) -> Case:
@@ -145,7 +167,8 @@ def union(studies: dict[str, Case], title: str) -> Case:
     """The case that stands for several, by name, whose results go into one file."""
     first = next(iter(studies.values())).replacing("title", title)
     warnings = dict.fromkeys(text for study in studies.values() for text in study.warnings)
-    return first._holding({"_axes": (), "_warnings": tuple(warnings), "_studies": studies})
+    named = {name: study._holding(_study=name) for name, study in studies.items()}
+    return first._holding(_axes=(), _warnings=tuple(warnings), _studies=named)
 
 
 def _plain(value: Any) -> Any:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from collections.abc import Mapping
+from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict
 
@@ -11,6 +12,11 @@ class Part(BaseModel):
     """A mapping of a case file: frozen, and unknown keys are errors."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    #: Keys that may stand together, where those of one form exclude those of another.
+    forms: ClassVar[tuple[frozenset[str], ...]] = ()
+    #: Key -> another key and the word there without which it means nothing.
+    needs: ClassVar[Mapping[str, tuple[str, str]]] = {}
 
     def replacing(self, name: str, value: object) -> Self:
         """A copy with one field changed, unchecked; quick, and without what was derived from the old one."""

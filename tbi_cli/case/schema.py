@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Literal
 
+from tbi_cli.case.document import STUDIES
 from tbi_cli.case.keys import accepts, fields_of
 from tbi_cli.case.model import Case
 from tbi_cli.case.schema_parts import Parts, Schema
 from tbi_cli.case.schema_sweep import SweepSchema
-from tbi_cli.case.studies import MOST_STUDIES, NAME, STUDIES
+from tbi_cli.case.studies import MOST_STUDIES, NAME
 from tbi_cli.case.train import TRAINS, VEHICLES
 
 Kind = Literal["case", "train", "bridge"]

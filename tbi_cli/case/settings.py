@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, model_validator
@@ -43,6 +44,8 @@ class ContactSpring:
 
 class Contact(Part):
     """How wheels stand on the beams."""
+
+    needs = MappingProxyType(dict.fromkeys(HERTZ_SPRING, ("model", "hertz")))
 
     model: Annotated[
         Literal["paper", "hertz"],
@@ -90,6 +93,8 @@ class Contact(Part):
 
 class Solver(Part):
     """Time integration: sampling interval, substeps in each, and how long."""
+
+    needs = MappingProxyType({"substeps": ("method", "rk4")})
 
     method: Annotated[
         Literal["rk4", "exact"],

@@ -126,6 +126,8 @@ class Profile(Part):
     `left` hold what the file says.
     """
 
+    forms = (frozenset({"csv"}), frozenset({"x", "right", "left"}))
+
     csv: Annotated[str, Text("CSV file beside this one: x, right and left", 1000)] | None = None
     start: (
         Annotated[float, _signed("x at which the bridge begins, as the points count it", "123.4 km")] | None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -32,4 +33,5 @@ def init(
         raise UserError(f"{path}: exists already; name another folder") from None
     except OSError as error:
         raise UserError.from_os(path, error) from None
-    print(f"{path} is ready: tbi validate {path}, tbi run {path}")
+    named = shlex.quote(str(path))
+    print(f"{path} is ready: tbi validate {named}, tbi run {named}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -44,14 +45,15 @@ def reproduce(
         print(to_text(entries))
         print(f"comparison: {files.text}, {files.csv}, {files.json}")
         if not results:
-            print(f"figures and tables: tbi report {output}/*.h5")
+            print(f"figures and tables: tbi report {shlex.quote(str(output))}/*.h5")
 
 
 def _run(folder: Path, jobs: int | None, overwrite: bool, quiet: bool) -> list[Path]:
+    from tbi_cli.advice import go_on
     from tbi_cli.cli.progress import Terminal
     from tbi_cli.cli.stopping import stop_on_signals
     from tbi_cli.reproduce import run_paper
-    from tbi_cli.runner import Silence
+    from tbi_cli.runner import Silence, this_command
     from tbi_cli.workers import Workers
 
     with stop_on_signals() as stop:
@@ -60,7 +62,7 @@ def _run(folder: Path, jobs: int | None, overwrite: bool, quiet: bool) -> list[P
             folder, workers=Workers(jobs=jobs), overwrite=overwrite, progress=progress, stop=stop
         )
     if summaries[-1].left:
-        print("stopped: what is finished is kept; the same command goes on with the rest", file=sys.stderr)
+        print(f"stopped: what is finished is kept; {go_on(this_command())}", file=sys.stderr)
         raise typer.Exit(stop.exit_code)
     failures = [message for summary in summaries for message in summary.messages]
     for message in failures:

@@ -124,7 +124,7 @@ def _run(case: Case, how: Options, requeue: bool, quiet: bool, verbose: bool) ->
     for message in summary.messages:
         print(f"failed: {message}", file=sys.stderr)
     if not quiet:
-        print_summary(summary, every_channel=verbose)
+        print_summary(summary, how.command, every_channel=verbose)
     if summary.unsettled:
         print(unsettled(summary.unsettled), file=sys.stderr)
     if summary.left:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tbi_cli.advice import go_on
 from tbi_cli.runner import Summary
 from tbi_cli.store import Results, Variable, open_results, studies_of
 
@@ -30,12 +31,12 @@ _NOTHING = 1e-12
 _PREFIXED = ("m", "m/s", "m/s2", "N", "rad", "rad/s", "rad/s2")
 
 
-def print_summary(summary: Summary, *, every_channel: bool = False) -> None:
-    """Prints the extremes of a run and where its results are."""
+def print_summary(summary: Summary, command: Sequence[str], *, every_channel: bool = False) -> None:
+    """Prints the extremes of the run that `command` made and where its results are."""
     if summary.left:
         print(
             f"stopped: {summary.solved + summary.before} scenarios are done, {summary.left} are left; "
-            f"continue with --resume"
+            f"{go_on(command)}"
         )
         return
     for study in studies_of(summary.path) or ("",):

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tbi_cli.advice import ANOTHER_FILE
 from tbi_cli.case import Case, load_case
 from tbi_cli.case.emit import emit_yaml
 from tbi_cli.cluster import slurm
@@ -142,9 +143,13 @@ def dry_run(run: ArrayRun, *, report: bool) -> str:
     made = scripts(run, report=report)
     text = "".join(f"# ---- {run.script(name)}\n{script}\n" for name, script in made.items())
     array = array_of(range(1, run.shards + 1), run.allowance.at_once)
-    sent = [f"sbatch --array={array} {run.script('shard')}"]
-    sent += [f"sbatch --dependency=afterany:SHARDS {run.script('merge')}"]
-    sent += [f"sbatch --dependency=afterok:MERGE {run.script('report')}"] if report else []
+
+    def quoted(name: str) -> str:
+        return shlex.quote(str(run.script(name)))
+
+    sent = [f"sbatch --array={array} {quoted('shard')}"]
+    sent += [f"sbatch --dependency=afterany:SHARDS {quoted('merge')}"]
+    sent += [f"sbatch --dependency=afterok:MERGE {quoted('report')}"] if report else []
     return text + "# ---- to be sent with\n" + "".join(f"# {line}\n" for line in sent)
 
 
@@ -221,7 +226,7 @@ def _check(run: ArrayRun, case: Case, *, resume: bool, overwrite: bool) -> None:
     note = read_note(run.folder)
     if note is None:
         if is_there(run.results) and not overwrite:
-            raise SubmitError(f"{run.results}: exists already; --overwrite replaces it")
+            raise SubmitError(f"{run.results}: exists already; {ANOTHER_FILE}, --overwrite replaces it")
         return
     if not (resume or overwrite):
         raise SubmitError(
@@ -232,10 +237,11 @@ def _check(run: ArrayRun, case: Case, *, resume: bool, overwrite: bool) -> None:
         raise SubmitError(f"{run.folder}: job {waiting[0]} is still queued or running")
     if resume and note["shards"] != run.shards:
         raise SubmitError(
-            f"--shards: {run.folder} has {note['shards']} shards, not {run.shards}; --overwrite starts afresh"
+            f"--shards: {run.folder} has {note['shards']} shards, not {run.shards}; "
+            f"leave it out, or {ANOTHER_FILE}"
         )
     if resume and load_case(run.case).sha256 != case.sha256:
-        raise SubmitError(f"{run.case}: is another case; --overwrite starts afresh")
+        raise SubmitError(f"{run.case}: is another case; {ANOTHER_FILE}")
 
 
 def _remove_shards(run: ArrayRun) -> None:

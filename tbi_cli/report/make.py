@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shlex
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -73,7 +75,8 @@ def make_report(
         figures = _figures(studies, wishes, select)
         if wishes.own_figures and not figures:
             raise ReportError(
-                "no figure of that kind can be drawn from these results; `tbi info` shows their axes"
+                "no figure of that kind can be drawn from these results; their axes are shown by: "
+                f"tbi info {shlex.quote(os.fspath(results[0]))}"
             )
         by_number = paper_tables(studies)
         tables = [table for table, _ in by_number.values()]

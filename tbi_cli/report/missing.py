@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Sequence
+from pathlib import Path
 
+from tbi_cli.advice import go_on, join, without
 from tbi_cli.report.catalogue import FigureSpec, catalogue
 from tbi_cli.report.paper_figures import run_of
 from tbi_cli.report.paper_tables import TABLES
@@ -83,13 +86,30 @@ def gaps(studies: Sequence[Study]) -> tuple[str, ...]:
 
 def _how_to_go_on(study: Study) -> str:
     """The command of the unfinished run, to be resumed; a shard has to be joined with the others instead."""
-    if "shard" in study.results.attributes and study.results.finished:
-        return "this is a shard: join it with the others by tbi merge"
+    attributes, path = study.results.attributes, study.results.path
+    folder = str(attributes.get("folder", ""))
+    if "shard" in attributes and study.results.finished:
+        return _join(path, str(attributes["shard"]))
+    if "shard_command" in attributes:
+        # What joined shards lack is solved by the command of one of them, which solves all that is left.
+        command = without(_words(attributes["shard_command"]), {"--requeue"}, {"--shard", "-o", "--output"})
+        return go_on([*command, "-o", str(path.absolute())], str(attributes.get("shard_folder", "")))
+    return go_on(_words(attributes.get("command", "")), folder)
+
+
+def _join(path: Path, shard: str) -> str:
+    """How a shard is joined with the others, which are beside it where it has the name of a shard."""
+    of = shard.partition("/")[2]
+    found = re.fullmatch(rf"(.+)\.shard-[0-9]+-of-{of}", path.stem)
+    if found is None:
+        return f"this is shard {shard}: join it with the others by tbi merge SHARDS -o RESULTS.h5"
+    stem, ending = (shlex.quote(text) for text in (found[1], path.suffix))
+    command = f"{stem}.shard-*-of-{of}{ending if path.suffix else ''}"
+    return f"this is shard {shard}: {join(command, found[1] + path.suffix, str(path.parent.absolute()))}"
+
+
+def _words(command: object) -> list[str]:
     try:
-        command = shlex.split(str(study.results.attributes.get("command", "")))
+        return shlex.split(str(command))
     except ValueError:
-        command = []
-    if not command:
-        return "run it again with --resume"
-    kept = [word for word in command if word not in ("--overwrite", "--resume")]
-    return f"continue with: {shlex.join([*kept, '--resume'])}"
+        return []

@@ -22,7 +22,7 @@ def stored_case(text: str) -> Case | None:
         with tempfile.TemporaryDirectory(prefix="tbi-case-") as folder:
             file = Path(folder) / "case.yaml"
             file.write_text(text, encoding="utf-8")
-            return load_case(file)
+            return load_case(file).standing_at(None)  # the file is gone when a message would name it
     except (CaseError, UnicodeError):
         return None
 

@@ -23,13 +23,14 @@ _MESSAGE = Variable("message", "1", "why the case failed")
 _STATUS_FLAGS = {"flag_meanings": "to_do done failed"}
 
 
-def write_results(path: Path, scratch: Path, layout: Layout, results: Results, advice: str = "") -> None:
+def write_results(path: Path, scratch: Path, layout: Layout, results: Results, kept: str = "") -> None:
     """Write all that ``results`` holds as the results file ``path``, which is replaced in one step.
 
     ``layout`` has the attributes and the history channels of the new file.  Histories are copied one case
-    at a time.  Raises `StoreError`, with ``advice``, if the disk refuses; ``path`` then stays what it was.
+    at a time.  Raises `StoreError`, with what is ``kept``, if the disk refuses; ``path`` then stays what it
+    was.
     """
-    with new_h5(path, scratch, advice) as new:
+    with new_h5(path, scratch, kept) as new:
         write_group(new, new.file, layout, results)
 
 

@@ -7,8 +7,9 @@ import os
 import stat
 from pathlib import Path
 
+from tbi_cli.advice import ANOTHER_FILE
 from tbi_cli.store.durable import UNFINISHED, sync_folder
-from tbi_cli.store.errors import StoreError
+from tbi_cli.store.errors import ExistsError, PlaceError, StoreError
 from tbi_cli.store.lock import LOCK_FILE, Lock, refuse_if_held
 from tbi_cli.store.opening import Run, is_there, look_first, resolve
 from tbi_cli.store.parts import LAYOUT_FILE, STUDIES_FILE, UNSETTLED_FILE, part_number, parts_folder
@@ -17,34 +18,39 @@ from tbi_cli.store.safe import looks_like_hdf5
 _SUFFIXES = {".h5", ".hdf5", ".hdf", ".nc", ".nc4", ""}
 
 
-def check_output(path: str | os.PathLike[str], *, resume: bool = False, overwrite: bool = False) -> Path:
+def check_output(
+    path: str | os.PathLike[str], *, resume: bool = False, overwrite: bool = False, resumes: bool = True
+) -> Path:
     """Raise `StoreError` if a results file may not be written at ``path``; changes nothing.
 
-    Returns the path with links followed.
+    ``resumes`` says whether the command is one that can resume.  Returns the path with links followed.
     """
     if resume and overwrite:
         raise StoreError("--resume and --overwrite exclude each other")
     path = resolve(path)
     is_there(path)  # or it cannot be told, which is to be said of the file itself
     refuse_if_held(parts_folder(path), path)
-    check_path(path, resume=resume, overwrite=overwrite)
+    check_path(path, resume=resume, overwrite=overwrite, resumes=resumes)
     return path
 
 
-def check_path(path: Path, *, resume: bool, overwrite: bool) -> None:
+def check_path(path: Path, *, resume: bool, overwrite: bool, resumes: bool = True) -> None:
     """As `check_output`, of a path whose links are followed and whose lock is of no concern."""
     try:
         _check_place(path)
         if path.exists() and not resume:
             if not overwrite:
-                raise StoreError(f"{path}: exists already; --resume completes it, --overwrite replaces it")
+                if not looks_like_hdf5(path):
+                    raise StoreError(f"{path}: exists already and is no results file; {ANOTHER_FILE}")
+                resume_it = "--resume completes it" if resumes else ANOTHER_FILE
+                raise ExistsError(f"{path}: exists already; {resume_it}, --overwrite replaces it")
             if path.suffix not in _SUFFIXES and path.stat().st_size and not looks_like_hdf5(path):
                 raise StoreError(f"{path}: is not a results file, and is not replaced by one")
     except OSError as error:
         raise StoreError.from_os(path, error) from error
     if not resume and not overwrite:
         try:
-            _refuse_unfinished_run(path)
+            _refuse_unfinished_run(path, resumes)
         except OSError as error:
             raise StoreError.from_os(parts_folder(path), error) from error
 
@@ -52,20 +58,20 @@ def check_path(path: Path, *, resume: bool, overwrite: bool) -> None:
 def _check_place(path: Path) -> None:
     folder = path.parent
     if not folder.exists():
-        raise StoreError(f"{path}: the folder {folder} does not exist")
+        raise PlaceError(f"{path}: the folder {folder} does not exist")
     if not folder.is_dir():
-        raise StoreError(f"{path}: {folder} is not a folder")
+        raise PlaceError(f"{path}: {folder} is not a folder")
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise StoreError(f"{path}: the folder {folder} cannot be written to")
+        raise PlaceError(f"{path}: the folder {folder} cannot be written to")
     if path.exists():
         mode = path.stat().st_mode
         if stat.S_ISDIR(mode):
-            raise StoreError(f"{path}: is a folder; name a file in it")
+            raise PlaceError(f"{path}: is a folder; name a file in it")
         if not stat.S_ISREG(mode):
-            raise StoreError(f"{path}: is not a regular file")
+            raise PlaceError(f"{path}: is not a regular file")
 
 
-def _refuse_unfinished_run(path: Path) -> None:
+def _refuse_unfinished_run(path: Path, resumes: bool) -> None:
     folder = parts_folder(path)
     several = is_there(folder / STUDIES_FILE)
     solved = size = 0
@@ -77,9 +83,10 @@ def _refuse_unfinished_run(path: Path) -> None:
         with run.results() as results:
             solved, size = solved + int((results.status != 0).sum()), size + results.layout.size
     if size and any(part_number(p) is not None for p in folder.rglob("*.h5")):
-        raise StoreError(
+        resume_it = "--resume continues it" if resumes else ANOTHER_FILE
+        raise ExistsError(
             f"{folder}: holds an unfinished run, {solved} of {size} cases; "
-            "--resume continues it, --overwrite starts afresh"
+            f"{resume_it}, --overwrite starts afresh"
         )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from tbi_cli.advice import ANOTHER_FILE
 from tbi_cli.printable import one_line
 from tbi_cli.store.errors import StoreError
 from tbi_cli.store.layout import Scalar
@@ -11,7 +12,9 @@ from tbi_cli.store.layout import Scalar
 _SHOWN = 5  # changed keys named in a message
 
 
-def refuse_other_run(where: str, old: Mapping[str, Scalar], new: Mapping[str, Scalar], advice: str) -> None:
+def refuse_other_run(
+    where: str, old: Mapping[str, Scalar], new: Mapping[str, Scalar], advice: str = ANOTHER_FILE
+) -> None:
     """Raise `StoreError` if two sets of root attributes are of different cases, versions or shards.
 
     ``where`` names the file that holds ``old``; ``advice`` ends the message.

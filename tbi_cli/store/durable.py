@@ -144,12 +144,12 @@ class NewFile:
 
 
 @contextlib.contextmanager
-def new_h5(path: Path, scratch: Path, advice: str = "") -> Iterator[NewFile]:
+def new_h5(path: Path, scratch: Path, kept: str = "") -> Iterator[NewFile]:
     """A new HDF5 file that becomes ``path`` when the block ends well; else ``path`` stays what it was.
 
     It is written in the folder ``scratch``, on the same file system, in HDF5's earliest file version, so that
     programs built on HDF5 1.8 and later read it.  Signals wait for `NewFile.check` or the end.  Raises
-    `StoreError`, with ``advice``, for whatever the operating system refuses.
+    `StoreError` for whatever the operating system refuses, with what is ``kept``, so that the run can go on.
     """
     temporary = scratch / f"{path.name[:_NAME]}{UNFINISHED}"  # no longer than a name may be
     with Interrupts() as interrupts:
@@ -172,7 +172,8 @@ def new_h5(path: Path, scratch: Path, advice: str = "") -> Iterator[NewFile]:
             temporary.replace(path)
             sync_folder(path.parent)
         except OSError as error:
-            raise StoreError.from_os(path, error, advice) from error
+            refused = StoreError.from_os(path, error, kept)
+            raise (refused.kept() if kept else refused) from error
         finally:
             with contextlib.suppress(OSError):
                 temporary.unlink()

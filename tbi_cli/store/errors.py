@@ -7,13 +7,21 @@ import errno
 from tbi_cli.errors import UserError
 from tbi_cli.printable import one_line
 
-__all__ = ["StoreError", "is_missing", "one_line"]
+__all__ = ["ExistsError", "PlaceError", "StoreError", "is_missing", "one_line"]
 
 _MISSING = (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG)
 
 
 class StoreError(UserError):
     """A results file cannot be written or read; ``str(error)`` is the whole message, on one line."""
+
+
+class ExistsError(StoreError):
+    """A results file, or an unfinished run, is there already."""
+
+
+class PlaceError(StoreError):
+    """A results file cannot be where it was asked for."""
 
 
 def is_missing(error: OSError) -> bool:

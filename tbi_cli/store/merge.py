@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tbi_cli.advice import ANOTHER_FILE
 from tbi_cli.store.assemble import write_results
 from tbi_cli.store.claim import Claim, check_output
 from tbi_cli.store.compare import refuse_other_run
@@ -42,9 +43,9 @@ def merge(
     missing or not finished; with ``partial`` their cases stay to be done), for a shard or a case that comes
     twice, for shards of different cases, versions or numbers of shards, and if ``out`` cannot be written.
     """
-    target = check_output(out, overwrite=overwrite)
+    target = check_output(out, overwrite=overwrite, resumes=False)
     if target in {resolve(path) for path in paths}:
-        raise StoreError(f"{target}: is one of the shards; choose another file for the result")
+        raise StoreError(f"{target}: is one of the shards; {ANOTHER_FILE}")
     there: list[Path] = []
     absent: list[Path] = []
     for path in map(resolve, paths):
@@ -158,6 +159,7 @@ def _layout(shards: Sequence[Results], attributes: Mapping[str, Scalar]) -> Layo
     first = _together(shards)
     channels = next((s.history_channels for s in shards if s.history_indices()), first.history_channels)
     kept = {k: v for k, v in first.attributes.items() if k != "shard"}
+    kept |= {f"shard_{key}": kept[key] for key in ("command", "folder") if key in kept}
     return replace(first, history_channels=channels, attributes={**kept, **attributes})
 
 

@@ -62,7 +62,7 @@ def write_part(folder: Path, number: int, run_id: str, layout: Layout, batch: Ba
     stored = [batch.histories.get(index) for index in batch.indices.tolist()]
     cases["samples"] = [_NO_HISTORY if history is None else len(history.time) for history in stored]
     failed = np.flatnonzero(batch.status == FAILED).tolist()
-    with new_h5(path, folder, "the cases finished before are safe; continue with --resume") as new:
+    with new_h5(path, folder, "the cases finished before are safe") as new:
         root = new.file
         root.attrs["run_id"] = np.bytes_(run_id)
         root["cases"] = cases

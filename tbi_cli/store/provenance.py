@@ -30,6 +30,7 @@ def provenance(
         "case": case_yaml,
         "case_sha256": case_sha256,
         "command": printable(shlex.join(command)),
+        "folder": printable(_here()),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "host": printable(socket.gethostname()),
         "numpy_version": version("numpy"),
@@ -41,6 +42,14 @@ def provenance(
         "slurm_array_task_id": os.environ.get("SLURM_ARRAY_TASK_ID", ""),
     }
     return {name: value for name, value in attributes.items() if value != ""}
+
+
+def _here() -> str:
+    """The working folder, in which the command's paths begin; nothing where that is gone."""
+    try:
+        return str(Path.cwd())
+    except OSError:
+        return ""
 
 
 def _git_revision() -> str:

@@ -24,8 +24,6 @@ from tbi_cli.store.records import DONE, BatchResult
 from tbi_cli.store.results import Results
 from tbi_cli.store.sources import ResultsSource
 
-_ADVICE = "--overwrite starts afresh"
-
 
 class ResultsStore:
     """Takes the batches of a run and makes a results file of them.
@@ -91,7 +89,7 @@ class ResultsStore:
         look_first(self.path, self._study)
         run = Run.read(self.path, self._study)
         if run is not None and run.parts():
-            refuse_other_run(str(run.folder), run.layout.attributes, self.layout.attributes, _ADVICE)
+            refuse_other_run(str(run.folder), run.layout.attributes, self.layout.attributes)
             run.layout = self.layout
             with run.results() as results:
                 self._note_done(results)
@@ -99,7 +97,7 @@ class ResultsStore:
         if not is_there(self.path):
             return self._begin(extends=False)
         source = ResultsSource(self.path, self._study)
-        refuse_other_run(str(self.path), source.layout.attributes, self.layout.attributes, _ADVICE)
+        refuse_other_run(str(self.path), source.layout.attributes, self.layout.attributes)
         with Results(self.path, self.layout, [as_of(source, self.layout)], finished=True) as results:
             self._note_done(results)
         return self._begin(extends=True)
@@ -159,11 +157,11 @@ class ResultsStore:
         batches are then still safe, and a resumed run needs only to finish.
         """
         self._claim.check()
-        advice = f"the finished cases are safe in {self._claim.folder}; continue with --resume"
+        kept = f"the finished cases are safe in {self._claim.folder}"
         if self.has_news:
             with self.results() as results:
                 results.layout = settled(results.layout)
-                write_results(self.path, self._claim.folder, results.layout, results, advice)
+                write_results(self.path, self._claim.folder, results.layout, results, kept)
         self._claim.clean(parts=True)
         self.close()
         return self.path

@@ -32,7 +32,6 @@ from tbi_cli.store.store import ResultsStore
 from tbi_cli.store.vet import vet
 
 _MOST_BYTES = 1 << 24  # of the file that names the studies of an unfinished run, with their case
-_ADVICE = "--overwrite starts afresh"
 
 
 @dataclass(frozen=True)
@@ -65,15 +64,26 @@ def heading_of(path: str | os.PathLike[str]) -> Heading:
     return _of_file(path)
 
 
+def attributes_of(path: str | os.PathLike[str]) -> Mapping[str, Scalar]:
+    """The root attributes of a results file, or of the unfinished run that writes it; see `heading_of`."""
+    heading = heading_of(path)
+    if heading.names or heading.attributes:
+        return heading.attributes
+    path = resolve(path)
+    look_first(path)
+    run = Run.read(path)
+    return {} if run is None else run.layout.attributes
+
+
 def write_studies(
     path: Path,
     scratch: Path,
     attributes: Mapping[str, Scalar],
     studies: Mapping[str, Results],
-    advice: str = "",
+    kept: str = "",
 ) -> None:
     """Write the results of studies, by name, as the results file ``path``; see `write_results`."""
-    with new_h5(path, scratch, advice) as new:
+    with new_h5(path, scratch, kept) as new:
         set_attributes(new.file, {"format": STUDIES_FORMAT, "format_version": FORMAT_VERSION})
         set_attributes(new.file, {"studies": " ".join(studies), **attributes})
         for name, results in studies.items():
@@ -169,12 +179,12 @@ class StudiesStore:
             look_first(self.path)
             run = Run.read(self.path)
             if run is not None and run.parts():
-                refuse_other_run(where, run.layout.attributes, self._attributes, _ADVICE)
+                refuse_other_run(where, run.layout.attributes, self._attributes)
             if is_there(self.path):
                 old = _of_file(self.path).attributes
-                refuse_other_run(str(self.path), old, self._attributes, _ADVICE)
+                refuse_other_run(str(self.path), old, self._attributes)
             return False
-        refuse_other_run(where, heading.attributes, self._attributes, _ADVICE)
+        refuse_other_run(where, heading.attributes, self._attributes)
         return True
 
     def _begin(self, layouts: Mapping[str, Layout]) -> None:
@@ -208,12 +218,12 @@ class StudiesStore:
         """
         self._claim.check()
         if any(store.has_news for store in self.parts.values()):
-            advice = f"the finished cases are safe in {self._claim.folder}; continue with --resume"
+            kept = f"the finished cases are safe in {self._claim.folder}"
             with ExitStack() as stack:
                 found = {name: stack.enter_context(store.results()) for name, store in self.parts.items()}
                 for results in found.values():
                     results.layout = settled(results.layout)
-                write_studies(self.path, self._claim.folder, self._attributes, found, advice)
+                write_studies(self.path, self._claim.folder, self._attributes, found, kept)
         self._claim.clean(parts=True)
         self._claim.release()
         return self.path

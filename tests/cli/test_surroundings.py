@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import resource
 import subprocess
 import sys
@@ -121,4 +122,6 @@ def test_memory_that_runs_out_on_the_way(folder: Path) -> None:
     done = limited(folder, 900, "run", "paper", *history, "-q", "-o", "large.h5")
     assert done.returncode == 1
     assert re.fullmatch(r"out of memory.*; what was finished is kept .*\n", done.stderr)
+    command = shlex.join(["tbi", "run", "paper", *history, "-q", "-o", "large.h5", "--resume"])
+    assert done.stderr.endswith(f" (fewer --jobs need less); continue with: {command}\n")
     assert not (folder / "large.h5").exists()

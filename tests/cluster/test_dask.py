@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import subprocess
 import time
 from collections.abc import Iterator, Mapping
@@ -58,9 +59,8 @@ def test_a_worker_is_killed_half_way(
     cluster.scheduler.kill()
     out, err = process.communicate(timeout=SECONDS)
     assert process.returncode == 1, err
-    lost = (
-        f"the Dask scheduler at {cluster.address} was lost; what was finished is safe: continue with --resume"
-    )
+    lost = f"the Dask scheduler at {cluster.address} was lost; what was finished is safe; continue with: tbi "
+    lost += shlex.join(["run", "case.yaml", "-o", "stopped.h5", *dask, *ENDLESS, "--resume"])
     assert err.splitlines()[-1] == lost
     assert "Traceback" not in err
 

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from tbi_cli.case import Case, load_case
 from tbi_cli.errors import UserError
 from tbi_cli.integrator.arrays import LANES
-from tbi_cli.runner import Options, plan_of, rounds_of, run
+from tbi_cli.rounds import Rounds
+from tbi_cli.runner import Options, plan_of, run
 from tbi_cli.shards import Shard, deal
 from tbi_cli.solve import Solver
 from tbi_cli.store import merge
@@ -76,9 +77,9 @@ def test_a_shard_does_not_depend_on_what_is_kept(folder: Path) -> None:
     )
     some = np.arange(SCENARIOS) % 3 == 0
     for number in (1, 2, 3):
-        own = rounds_of(Solver(plain), Shard(number, 3)).own
+        own = Rounds(Solver(plain), Shard(number, 3)).own
         solver = Solver(kept)
-        rounds = rounds_of(solver, Shard(number, 3))
+        rounds = Rounds(solver, Shard(number, 3))
         assert np.array_equal(own, rounds.own)
         assert np.array_equal(rounds.own, rounds.first())
         batched = np.concatenate(plan_of(solver, rounds.first() & some).batches)

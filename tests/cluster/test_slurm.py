@@ -86,7 +86,7 @@ def test_an_array_of_shards(tmp_path: Path, slurm: SlurmHere, whole: Mapping[str
     assert (ended.code, ended.out) == (0, f"nothing is left to do: {folder / 'results.h5'}\n")
     ended = submit(folder, slurm, "--resume", "--set", "velocity=100")
     assert ended.code == 2
-    assert "case.yaml: is another case; --overwrite starts afresh" in ended.err
+    assert "case.yaml: is another case; choose another file with -o" in ended.err
 
     shard(folder, 3, 3).unlink()
     (folder / "results.h5").unlink()

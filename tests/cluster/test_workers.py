@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import shlex
 import signal
 import subprocess
 import time
@@ -113,7 +114,8 @@ def test_stopped_by_a_signal(folder: Path, backend: str, number: signal.Signals)
     with open_results(folder / "results.h5") as results:
         done = int((results.status == 1).sum())
     assert 0 < done < SCENARIOS
-    assert out == f"stopped: {done} scenarios are done, {SCENARIOS - done} are left; continue with --resume\n"
+    advice = f"continue with: tbi {shlex.join([*arguments, '--resume'])}"
+    assert out == f"stopped: {done} scenarios are done, {SCENARIOS - done} are left; {advice}\n"
     assert len(workers) == (2 if backend == "processes" else 0)
     assert not any(map(alive, workers))
 
@@ -176,7 +178,7 @@ def test_a_changed_case_is_not_resumed(folder: Path) -> None:
     changed = ("--set", "bridge.length=40", "--shard", "1/40", "-o", "results.h5", "--resume")
     ended = inside("run", "case.yaml", *changed, folder=folder)
     assert ended.code == 2
-    assert "holds another case (bridge.length: 50.0, now 40.0); --overwrite starts afresh" in ended.err
+    assert "holds another case (bridge.length: 50.0, now 40.0); choose another file with -o" in ended.err
     assert (folder / "results.h5").read_bytes() == before
 
 

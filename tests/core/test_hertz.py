@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tbi_cli.case import CaseError
-from tbi_cli.runner import RunError, plan_of
+from tbi_cli.case.messages import RunError
+from tbi_cli.runner import plan_of
 from tbi_cli.solve import Solver
 from tbi_cli.timegrid import contact_rate
 from tbi_cli.verify.references.rails import hertz_channels
@@ -185,7 +186,8 @@ def test_an_unstable_step_is_refused_before_the_run() -> None:
     with pytest.raises(RunError) as caught:
         plan_of(Solver(paper(HERTZ, "solver={sampling: 0.002, substeps: 1}")), np.ones(1, dtype=bool))
     assert str(caught.value) == (
-        "solver.substeps: expected a stable step: at most 0.001893 s for this train and bridge, "
+        "--set solver={sampling: 0.002, substeps: 1}: solver.substeps: "
+        "expected a stable step: at most 0.001893 s for this train and bridge, "
         "got 0.002 s (sampling 0.002 s in 1 substeps); use at least 2 substeps, or auto"
     )
     stable = paper(HERTZ, "solver={sampling: 0.0018, substeps: 1, duration: 1}")

@@ -103,7 +103,10 @@ def test_a_half_finished_run_is_reported_with_gaps_and_their_count(tmp_path: Pat
     assert ended.code == 0, ended.err
     message = f"half.h5: {left} of 41 scenarios are not solved yet; curves and tables have gaps"
     assert message in ended.out
-    assert f"continue with: tbi sweep velocity --from 60 -o {tmp_path / 'half.h5'} --resume" in ended.out
+    assert (
+        f"continue with: cd {Path.cwd()} && tbi sweep velocity --from 60 -o {tmp_path / 'half.h5'} --resume"
+        in ended.out
+    )
     assert message in (tmp_path / "out" / "report.html").read_text()
     assert (tmp_path / "out" / "fig15.png").exists()
 
@@ -123,7 +126,7 @@ def test_a_shard_says_that_it_is_one(tmp_path: Path) -> None:
     (shard,) = tmp_path.glob("*.h5")
     ended = tbi("report", shard.name, "-o", "out", "--formats", "png", folder=tmp_path)
     assert ended.code == 0, ended.err
-    assert "this is a shard: join it with the others by tbi merge" in ended.out
+    assert "this is shard 1/2: join it with the others by tbi merge SHARDS -o RESULTS.h5" in ended.out
 
 
 def test_text_from_the_file_stays_text(file: Path) -> None:

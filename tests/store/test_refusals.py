@@ -96,7 +96,7 @@ def test_resuming_another_case_names_the_keys(tmp_path: Path, unfinished: bool) 
     where = f"{path}.parts" if unfinished else f"{path}"
     assert refusal(lambda: ResultsStore(path, other, resume=True)) == (
         f"{where}: holds another case (bridge.length: 50.0, now 60.0; bridge.span: absent, now 3); "
-        "--overwrite starts afresh"
+        "choose another file with -o"
     )
     assert tree(tmp_path) == before
 
@@ -239,8 +239,7 @@ def test_no_room_for_a_batch(tmp_path: Path, small_files: Callable[[int], None],
         small_files(int(share * part.stat().st_size))
         message = refusal(lambda: store.write(batch(of, range(4, 8))))
         assert message == (
-            f"{part.with_name('000001.h5')}: File too large; "
-            "the cases finished before are safe; continue with --resume"
+            f"{part.with_name('000001.h5')}: File too large; the cases finished before are safe"
         )
         small_files(-1)
         assert tree(tmp_path) == before
@@ -263,9 +262,7 @@ def test_no_room_for_the_results_file(
         small_files(int(share * expected.stat().st_size))
         message = refusal(store.finish)
         small_files(-1)
-    assert message == (
-        f"{path}: File too large; the finished cases are safe in {path}.parts; continue with --resume"
-    )
+    assert message == (f"{path}: File too large; the finished cases are safe in {path}.parts")
     assert path.read_bytes() == before
     assert not list(tmp_path.rglob("*.unfinished"))
     with ResultsStore(path, of, resume=True) as store:
