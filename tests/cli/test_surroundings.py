@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 import resource
+import shlex
 import subprocess
 import sys
 from pathlib import Path
