@@ -25,7 +25,7 @@ from tbi_cli.cluster.scripts import scripts
 from tbi_cli.errors import UserError
 from tbi_cli.shards import MOST_SHARDS
 from tbi_cli.store import FAILED, StoreError, check_output
-from tbi_cli.store.durable import write_text
+from tbi_cli.store.durable import sync_folder, write_text
 from tbi_cli.store.errors import is_missing
 from tbi_cli.store.lock import refuse_if_held
 from tbi_cli.store.opening import is_there
@@ -94,6 +94,7 @@ def _write(run: ArrayRun, texts: dict[Path, str], made: dict[str, str], *, afres
     """Writes the case and the scripts of a run, without shards of an earlier one if it begins afresh."""
     for folder in (run.folder, *_subfolders(run)):
         folder.mkdir(exist_ok=True)
+        sync_folder(folder.parent)
     if afresh:
         _remove_shards(run)
     for path, text in {**texts, **{run.script(name): text for name, text in made.items()}}.items():

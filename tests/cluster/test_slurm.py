@@ -17,9 +17,18 @@ from tests.cli.commands import Ended
 from tests.cluster.runs import CASE, ENDLESS, SCENARIOS, SLOW, content, inside, parts
 from tests.cluster.slurm_here import SlurmHere
 from tests.cluster.test_studies import STUDIES
+from tests.store.power_cut import check_order, record
 
 pytestmark = pytest.mark.slurm
 SECONDS = 300.0
+
+SUBMIT = """
+import os, sys
+from tbi_cli.__main__ import main
+os.chdir(sys.argv[1])
+sys.argv[1:] = ["submit", "case.yaml", "--shards", "3"]
+main()
+"""
 
 
 def jobs(folder: Path) -> dict[str, str]:
@@ -98,11 +107,14 @@ def test_an_array_of_shards(tmp_path: Path, slurm: SlurmHere, whole: Mapping[str
 
 
 def test_an_array_of_studies(tmp_path: Path, slurm: SlurmHere) -> None:
-    """Several grids, one of them refined, in every task."""
+    """Several grids, one of them refined, in every task; what is sent is on the disk, in the right order."""
     (tmp_path / "case.yaml").write_text(STUDIES)
     assert inside("run", "case.yaml", "-o", "whole.h5", "-q", folder=tmp_path).code == 0
-    ended = submit(tmp_path, slurm, "--shards", "3")
-    assert ended.code == 0, ended.err
+    log = tmp_path.with_name(f"{tmp_path.name}.log")
+    calls = record(SUBMIT, tmp_path, log, slurm.environment)
+    own = [call for call in calls if call.paths[-1].startswith((".", "results-slurm"))]
+    taken = check_order(own, re.compile(r"\.unfinished$"))
+    assert [Path(name).name for name in taken] == ["case.yaml", "shard.sh", "merge.sh", "submission.json"]
     slurm.wait_for(*jobs(tmp_path).values(), seconds=SECONDS)
     assert content(tmp_path / "results.h5") == content(tmp_path / "whole.h5")
     ended = submit(tmp_path, slurm, "--resume")

@@ -10,7 +10,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -38,10 +38,10 @@ class Call:
     number: int = 0
 
 
-def record(program: str, folder: Path, log: Path) -> list[Call]:
+def record(program: str, folder: Path, log: Path, more: Mapping[str, str] | None = None) -> list[Call]:
     """Runs a Python program, of which `sys.argv[1]` is the folder, and returns its calls on that folder."""
     command = ["strace", "-f", "-y", "-xx", "-s", str(1 << 26), "-e", f"trace={_TRACED}", "-o", str(log)]
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    environment = os.environ | {"PYTHONPATH": str(ROOT)} | dict(more or {})
     run = subprocess.run(
         [*command, sys.executable, "-c", program, str(folder)],
         capture_output=True,
@@ -234,21 +234,27 @@ def restore(state: State, folder: Path) -> None:
 def check_order(calls: Sequence[Call], temporary: re.Pattern[str]) -> list[str]:
     """Asserts that every file is written, synced, renamed and its folder synced, in this order.
 
-    Files may be made under names that match `temporary` alone.  Returns the names that files took, in order.
+    Files may be made under names that match `temporary` alone; folders have their own names synced before a
+    file in them takes its own.  Returns the names that files took, in order.
     """
     unsynced: set[str] = set()
+    folders: set[str] = set()
     taken: list[str] = []
     for k, call in enumerate(calls):
         path = call.paths[0]
         if call.name in ("create", "open", "write", "ftruncate"):
             assert temporary.search(path), f"{path} is written under its final name"
             unsynced.add(path)
+        elif call.name == "mkdir":
+            folders.add(path)
         elif call.name == "fsync":
             unsynced.discard(path)
+            folders -= {made for made in folders if str(Path(made).parent) == path}
         elif call.name == "rename":
             source, target = call.paths
             assert source not in unsynced, f"{target} takes its name before its data are synced"
             folder = str(Path(target).parent)
+            assert folder not in folders, f"{target}: the name of its folder is not synced"
             following = next((c for c in calls[k + 1 :] if c.paths != (source,)), None)
             assert following == Call("fsync", (folder,), b"", -1), f"{target}: its folder is synced too late"
             taken.append(target)
