@@ -19,7 +19,8 @@ from tbi_cli.case.fields import Accepts, Choice, Quantity, Switch, Whole
 from tbi_cli.case.keys import accepts, fields_of, is_list, part_of
 from tbi_cli.case.part import Part
 from tbi_cli.errors import UserError
-from tbi_cli.runner import plan_of, rounds_of
+from tbi_cli.rounds import Rounds
+from tbi_cli.runner import plan_of
 from tbi_cli.solve import Solver
 from tbi_cli.store.records import DONE, FAILED
 
@@ -112,7 +113,7 @@ def check_ends(folder: Path, base: str, override: str) -> str:
         try:
             case = _case(BASES[base], override, folder=folder)
             solver = Solver(case)
-            plan = plan_of(solver, rounds_of(solver).first())
+            plan = plan_of(solver, Rounds(solver).first())
             if int(plan.steps.sum()) > _MOST_STEPS:
                 return "planned"
             for batch in plan.batches:
