@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
+from tbi_cli.case.axes import Axis
 from tbi_cli.case.checks import Finding, contradictions, oddities, sweep_contradictions
 from tbi_cli.case.document import STUDIES, Document, ExtraAxis, case_path
 from tbi_cli.case.files import case_folder
@@ -117,7 +118,7 @@ def _validated(document: Document, sweep: Sweep, strict: bool) -> Case:
     if case is not None and not problems:
         has_unit = lru_cache(lambda key: _has_unit(root, key))
         warnings = [problem for problem in document.problems if problem.odd]
-        warnings += [*mixed_lists(root, case.train.model), *sweep.warnings]
+        warnings += [*mixed_lists(root, case.train.model), *sweep.warnings, *_without_effect(root, axes)]
         warnings += _located(oddities(case, axes, has_unit), root)
         if not strict or not warnings:
             texts = tuple(warning.render("warning") for warning in warnings)
@@ -141,6 +142,22 @@ def _set_if_missing(root: Mapping, path: str, value: float) -> None:
         mapping = inner
     if mapping.get(words[-1]) is None:
         mapping.put(words[-1], Scalar(sweep.source, sweep.line, sweep.column, value=value))
+
+
+def _without_effect(root: Mapping, axes: Sequence[Axis]) -> Iterator[Problem]:
+    """Options that set a key which the sweep sets again."""
+    for axis in axes:
+        for column in axis.members or (axis,):
+            for path in column.paths:
+                node = node_of(root, words_of(path))
+                if (
+                    node is not None
+                    and node.source.is_option
+                    and node.source is not root.entries["sweep"].source
+                ):
+                    cure = "" if axis.members else f"; set sweep.{path} to replace its values"
+                    text = f"has no effect, as the sweep sets it{cure}"
+                    yield Problem(place_of(root, words_of(path)), path, text)
 
 
 def _located(findings: Iterable[Finding], root: Mapping) -> list[Problem]:

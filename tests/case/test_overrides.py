@@ -130,3 +130,19 @@ def test_files_named_by_an_option_are_found_in_the_working_folder(folder: Path) 
     (folder / "mine.yaml").write_text("model: sprung-mass\nmass: 5\nstiffness: 1e6\ndamping: 0\n")
     options = ["train=mine.yaml", "bridge=verification-1", "contact.static_load=physical"]
     assert load_case("paper", overrides=options).train.model == "sprung-mass"
+
+
+def test_an_option_that_the_sweep_sets_again_is_told_so(loads: Loads, says: Says) -> None:
+    """It changed nothing, without a word; what is advised replaces the axis, by whatever name it has."""
+    swept = CASE + "sweep: {span: [30, 40]}\n"
+    text = "bridge.length: has no effect, as the sweep sets it; set sweep.bridge.length to replace its values"
+    (warning,) = loads(swept, overrides=["bridge.length=35"]).warnings
+    assert warning.splitlines()[0] == f"--set bridge.length=35: warning: {text}"
+    assert text in says(swept, overrides=["bridge.length=35"], strict=True)
+    (axis,) = loads(swept, overrides=["sweep.bridge.length=[35]"], strict=True).axes
+    assert (axis.paths, axis.values) == (("bridge.length",), (35.0,))
+    # What stands in the file beside its own sweep is the file's value where nothing is swept.
+    assert not loads(swept + "gravity: 9.8\n", overrides=["gravity=9.7", "sweep.modes=[2, 3]"]).warnings
+    zipped = CASE + "sweep: {bridge.length: [30, 40], velocity: [50, 60], zip: [bridge.length, velocity]}\n"
+    (warning,) = loads(zipped, overrides=["velocity=35"]).warnings
+    assert warning.splitlines()[0].endswith("velocity: has no effect, as the sweep sets it")
