@@ -75,12 +75,17 @@ def faults() -> list[Fault]:
     return found
 
 
+def surroundings(tree: Path) -> dict[str, str]:
+    """The environment of the tests of a checkout; kernels of faulty code are kept beside it alone."""
+    return {**os.environ, "PYTHONPATH": str(tree), "TBI_CACHE_DIR": str(tree.parent / "kernels")}
+
+
 def notices(fault: Fault, tree: Path) -> tuple[str, float]:
     """killed, lives or what went wrong; and the seconds that it took."""
     path, text = fault.planted(tree)
     whole = path.read_text(encoding="utf-8")
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *fault.tests]
-    environment = os.environ | {"PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1"}
+    environment = surroundings(tree) | {"PYTHONDONTWRITEBYTECODE": "1"}
     begin = time.monotonic()
     path.write_text(text, encoding="utf-8")
     try:
@@ -112,7 +117,7 @@ def check_without_faults(wanted: list[Fault], tree: Path, jobs: int) -> None:
     """Exits unless all the tests pass where nothing is wrong: else every fault would seem noticed."""
     tests = sorted({test for fault in wanted for test in fault.tests})
     command = [sys.executable, "-m", "pytest", "-q", "-n", str(jobs), "-p", "no:cacheprovider", *tests]
-    environment = os.environ | {"PYTHONPATH": str(tree)}
+    environment = surroundings(tree)
     run = subprocess.run(command, cwd=tree, env=environment, capture_output=True, text=True, check=False)
     if run.returncode:
         print(f"{run.stdout}{run.stderr}\nthe tests fail where no fault is planted", file=sys.stderr)
@@ -169,7 +174,7 @@ def main() -> None:
         fault
         for fault in faults()
         if not arguments.words
-        or any(word in f"{fault.room} {fault.name} {fault.file}" for word in arguments.words)
+        or any(word in f"{fault.room}: {fault.name} {fault.file}" for word in arguments.words)
     ]
     wrong = []
     for fault in wanted:
