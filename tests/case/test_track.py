@@ -204,7 +204,7 @@ def test_waves_need_an_approach(says: Says) -> None:
 
 
 def test_a_swept_place_may_not_leave_the_approach(says: Says) -> None:
-    text = track("dip: {at: 0, length: 5, depth: 1 mm}", "sweep: {track.irregularity.dip.at: [0, -150]}\n")
+    text = track("dip: {at: 0, length: 5, depth: 1 mm}", "sweep: {track.irregularity.dip.at: [0, -150, 3]}\n")
     assert first_line(says(text)) == (
         "case.yaml:14:9: sweep.track.irregularity.dip.at: track.irregularity.dip.at: expected a place on the approach, -100 m, or after it, got -150 m"
     )

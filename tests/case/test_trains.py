@@ -231,7 +231,7 @@ def test_bad_stations(says: Says, line: str, message: str) -> None:
 
 
 def test_stations_beyond_the_shortest_of_the_spans(says: Says) -> None:
-    text = case(HSLM, "sweep: {span: [15, 20]}\n").replace(
+    text = case(HSLM, "sweep: {span: [20, 15, 19]}\n").replace(
         "length: 20 m\n", "length: 20 m\n  stations: [18]\n"
     )
     assert (

@@ -54,7 +54,12 @@ solver: {sampling: 0.001, substeps: 1, duration: 1.5}
 output: {histories: all}
 """
     h = histories(case_from(text, tmp_path))
-    given = {"youngs_modulus": 30e9, "second_moment": 2.0, "mass_per_length": 12e3, "damping": {"ratio": 0.02}}
+    given = {
+        "youngs_modulus": 30e9,
+        "second_moment": 2.0,
+        "mass_per_length": 12e3,
+        "damping": {"ratio": 0.02},
+    }
     vehicle = RigidBeam(31e3, 0.7e6, 12.0, 4e6, 1e5)
     reference = rigid_beam_crossing(beam_from_mapping(given, 30.0, 3), vehicle, 40.0, h["time"])
     early = (h["time"] > 0) & (h["time"] < 0.2)
