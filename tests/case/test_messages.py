@@ -231,9 +231,9 @@ def test_a_wrong_unit_is_shown_with_its_line_and_a_caret(says: Says) -> None:
         ),
         pytest.param(
             "velocity: 300",
-            "output: {histories: {every: 0.0015}}\nsolver: {sampling: 0.001}\nvelocity: 300",
+            "output: {histories: {every: 0.0203}}\nsolver: {sampling: 0.001}\nvelocity: 300",
             "case.yaml:11:22: output.histories.every: expected a multiple of the sampling interval, 0.001 s, "
-            "got 0.0015 s",
+            "got 0.0203 s",
             id="histories between samples",
         ),
         pytest.param(

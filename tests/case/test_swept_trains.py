@@ -8,9 +8,13 @@ from tests.core.crossings import paper
 
 def test_the_car_body_mass_is_that_of_every_group() -> None:
     """Groups of other vehicles and counts; nothing else changes."""
-    groups = "{vehicle: trains/paper.yaml, count: 2, spacing: 25}, {vehicle: trains/zhai-passenger.yaml, spacing: 24.6}"
+    groups = (
+        "{vehicle: trains/paper.yaml, count: 2, spacing: 25}",
+        "{vehicle: trains/zhai-passenger.yaml, spacing: 24.6}",
+        "{vehicle: trains/paper.yaml, count: 3, spacing: 26}",
+    )
     case = paper(
-        f"train={{consist: [{groups}, {{vehicle: trains/paper.yaml, count: 3, spacing: 26}}]}}",
+        f"train={{consist: [{', '.join(groups)}]}}",
         "contact.static_load=physical",
         "sweep={car_body_mass: [31 t, 57 t]}",
     )

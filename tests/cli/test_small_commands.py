@@ -91,6 +91,16 @@ def test_what_differs_between_two_files(results: Path, tmp_path: Path) -> None:
     assert "table peak:" in differs.out
 
 
+def test_what_one_of_two_files_has_not_computed(results: Path, tmp_path: Path) -> None:
+    """A number that is missing is a difference, however alike the others are."""
+    path = Path(shutil.copy(results, tmp_path / "gap.h5"))
+    with h5py.File(path, "a") as file:
+        file["rms/left_midspan"][1, 2] = np.nan
+    for pair in ((results, path), (path, results)):
+        differs = tbi("info", str(pair[0]), "--diff", str(pair[1]), folder=tmp_path)
+        assert differs.out == "table rms: 1 channel differs, left_midspan most, in what is not computed\n"
+
+
 def test_a_stranger_s_case_does_no_harm(results: Path, tmp_path: Path) -> None:
     """Aliases that explode end in a line, and what a terminal would obey is not printed."""
     path = Path(shutil.copy(results, tmp_path / "theirs.h5"))

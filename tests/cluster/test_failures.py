@@ -41,6 +41,9 @@ def test_one_fails_and_is_tried_again(
         assert "2 scenarios solved, 1 failed" in out
         assert (f"({before} of them before)" in out) == bool(before)
         assert out.splitlines()[-1] == f"results: {path}; 1 scenario failed"
+        # The largest of those that were solved, not the one that is no number.
+        (line,) = (line.split() for line in out.splitlines() if line.startswith("car_body_y "))
+        assert line[-2:] == ["4", "m/s^2"] and "nan" not in line
     with h5py.File(path) as file:
         assert file["status"][()].tolist() == [1, 2, 1]
         assert b"no longer finite" in file["message"][1]

@@ -77,13 +77,13 @@ def test_random_rails_of_unlike_spans() -> None:
 
 
 def test_matrices_with_as_many_entries_in_other_places() -> None:
-    """Two vehicles, one without a damper where the other is without a spring."""
-    sweep = {
-        "train.secondary.vertical.damping": [0, 6e4],
-        "train.primary.lateral.damping": [4e4, 0],
-        "zip": ["train.secondary.vertical.damping", "train.primary.lateral.damping"],
-    }
-    case = paper(f"sweep={sweep}".replace("'", ""), "solver={sampling: 0.002, substeps: 1, duration: 1}")
+    """Two vehicles, one without lateral dampers above its front bogie, the other above its rear one."""
+    ends = ("front", "rear")
+    keys = [f"train.{end}_bogie.secondary.lateral.damping" for end in ends]
+    given = [f"train.{end}_bogie={{secondary: {{lateral: {{damping: 1e4}}}}}}" for end in ends]
+    sweep = f"sweep={{{keys[0]}: [0, 6e4], {keys[1]}: [4e4, 0], zip: [{', '.join(keys)}]}}"
+    case = paper(*given, sweep, "solver={sampling: 0.002, substeps: 1, duration: 1}")
     one, other = (Solver(case).scenarios.model(index).matrix for index in (0, 1))
+    assert len(one.column) == len(other.column)
     assert not np.array_equal(one.column, other.column)
     assert bits(case, [[0, 1]]) == bits(case, [[0], [1]])

@@ -170,6 +170,15 @@ def test_the_step_is_by_the_fastest_that_a_train_can_be(groups: str, tmp_path: P
     assert fastest_rate(system) <= 1.5 * max(found)
 
 
+def test_vehicles_that_stand_close_stiffen_a_soft_beam(tmp_path: Path) -> None:
+    """A hundred sprung masses weigh on one mode more than its own stiffness does."""
+    row = case_from(SIMPLE % (SPRUNG % (120, "0.3 m")), tmp_path, "bridge.modes=1")
+    system = build_system(row)
+    found = _largest_rate(system, 40.0, 33.0 / 40.0)
+    assert found > 1.3 * float(system.beams[0].omega[0])
+    assert found <= fastest_rate(system) * (1 + 1e-9)
+
+
 def test_equal_vehicles_share_their_matrices(tmp_path: Path) -> None:
     """Also those of different groups; as many of them count as the bridge has room for at once."""
     case = load_case("paper", overrides=train("trains/crh380al-16.yaml"))

@@ -44,7 +44,8 @@ def test_a_rigid_beam_turns_its_front_down_first(tmp_path: Path) -> None:
     Runge-Kutta is wrong by z^4/120 of a radian per radian: 1e-7 of it, and some more near resonance.
     """
     text = """
-train: {model: rigid-beam, mass: 31 t, pitch_inertia: 0.7e6, support_distance: 12, stiffness: 4e6, damping: 1e5}
+train:
+  {model: rigid-beam, mass: 31 t, pitch_inertia: 0.7e6, support_distance: 12, stiffness: 4e6, damping: 1e5}
 bridge:
   length: 30 m
   modes: 3

@@ -1,4 +1,4 @@
-"""Checks of the verification: what is too small is as wrong as what is too large, and one that fails is told."""
+"""Checks of the verification: too small is as wrong as too large, and one that fails is told."""
 
 from __future__ import annotations
 
