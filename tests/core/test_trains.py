@@ -186,8 +186,12 @@ def test_equal_vehicles_share_their_matrices(tmp_path: Path) -> None:
     assert len(system.coaches) == 16
     ((car, count),) = equal_coaches(system)
     assert all(coach.system is car for coach in system.coaches)
-    # 50 m of bridge and 20 m of car: three cars 25 m apart stand there at a time.
+    # 50 m of bridge and 20 m of car: three cars 25 m apart stand there at a time; on 24 m two, not one.
     assert count == 3
+    ((_, on_short),) = equal_coaches(
+        build_system(load_case("paper", overrides=train("trains/crh380al-16.yaml", "bridge.length=24")))
+    )
+    assert on_short == 2
     ((_, close),) = equal_coaches(build_system(case_from(SIMPLE % (SPRUNG % (200, "0.3 m")), tmp_path)))
     assert close == 101
 

@@ -68,3 +68,21 @@ output: {histories: all}
     for name in ("beam_y", "beam_pitch", "right_midspan"):
         size = np.max(np.abs(reference[name]))
         assert np.max(np.abs(h[name] - reference[name])) < 1e-5 * size, name
+
+
+def test_rails_keep_their_last_level() -> None:
+    """A ramp on one rail: far behind the end of the rails each wheelset is at half of its height."""
+    h = histories(
+        paper(
+            "bridge.length=15",
+            "contact.static_load=physical",
+            "track={approach: 6, irregularity: {ramp: {at: 17, length: 4, height: 3 mm, rails: left}}}",
+            "solver={sampling: 0.002, substeps: auto, duration: 2}",
+            "output.histories=all",
+        )
+    )
+    behind = 83.3 * h["time"] - 17.5 > 15 + 6 + 1
+    assert behind.sum() > 50
+    for axle in (1, 2, 3, 4):
+        assert h[f"wheelset_{axle}_y"][:5] == pytest.approx(np.zeros(5), abs=1e-15)
+        assert h[f"wheelset_{axle}_y"][behind] == pytest.approx(np.full(behind.sum(), 1.5e-3), rel=1e-12)

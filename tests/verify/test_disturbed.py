@@ -18,7 +18,7 @@ GROUPS = [v for v in VERIFICATIONS if v.number not in _DEAR | _WITHOUT_RESULTS]
 
 
 class Disturbed(Solved):
-    """A results file of which every number is off by 3 to 10 %, by some share of the largest beside it, and by 1e-4."""
+    """A results file whose numbers are off by 3 to 10 %, and by shares of their largest one and of 1e-3."""
 
     def __init__(self, path: Path, seed: int) -> None:
         super().__init__(path)
