@@ -81,7 +81,7 @@ def test_rails_keep_their_last_level() -> None:
             "output.histories=all",
         )
     )
-    behind = 83.3 * h["time"] - 17.5 > 15 + 6 + 1
+    behind = 83.3 * h["time"] - 20.0 > 15 + 6 + 1
     assert behind.sum() > 50
     for axle in (1, 2, 3, 4):
         assert h[f"wheelset_{axle}_y"][:5] == pytest.approx(np.zeros(5), abs=1e-15)
