@@ -145,6 +145,8 @@ def test_a_lock_that_was_taken_over_is_noticed(tmp_path: Path) -> None:
         (tmp_path / "results.h5.parts" / "lock").write_text("{}")
         with pytest.raises(StoreError, match="was removed or taken over"):
             store.write(batch(layout(), range(4)))
+    # It is the other's to give up.
+    assert (tmp_path / "results.h5.parts" / "lock").read_text() == "{}"
 
 
 def test_of_many_that_start_at_once_one_gets_it(tmp_path: Path) -> None:

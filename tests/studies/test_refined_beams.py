@@ -30,3 +30,26 @@ def test_both_beams_decide(tmp_path: Path) -> None:
             speeds.append(file["velocity"][...].tolist())
     assert speeds[0] == speeds[1]
     assert len(speeds[0]) > len(speeds[2])
+
+
+def test_the_order_of_the_axes_does_not_matter(tmp_path: Path) -> None:
+    """Dampings and masses of a beam ahead of the velocity or behind it: the same speeds, the same numbers."""
+    velocity = "velocity: {from: 50, to: 90, step: 10, refine: resonance, tolerance: 10 %}"
+    damping, mass = "damping: [1 %, 2 %, 4 %]", "bridge.right.mass_per_length: [11e3, 12e3]"
+    found = []
+    for axes in ((velocity, damping, mass), (damping, velocity, mass), (mass, damping, velocity)):
+        case = paper(
+            "train={model: hslm-a, number: 4}",
+            f"bridge={{length: 24, modes: 1, right: {SOFT}}}",
+            "contact={model: paper}",
+            f"sweep={{{', '.join(axes)}}}",
+            "solver={method: exact, sampling: 0.01, duration: 1}",
+        )
+        path = run(case, Options(output=tmp_path / "r.h5", overwrite=True)).path
+        names = [axis.partition(":")[0].replace(".", "_") for axis in axes]
+        order = [names.index(name) for name in ("velocity", "damping", "bridge_right_mass_per_length")]
+        with h5py.File(path) as file:
+            peaks = file["peak/right_midspan"][...].transpose(order)
+            found.append((file["velocity"][...].tolist(), peaks.tobytes()))
+    assert len(found[0][0]) > 20
+    assert found[0] == found[1] == found[2]
