@@ -64,7 +64,7 @@ def asked(solver: Solver, shard: Shard | None, line: NDArray[np.float64]) -> set
 
 
 def test_shards_ask_for_what_the_whole_asks_for(tmp_path: Path) -> None:
-    """Peaks beside the ends of steps, on either side: what one step asks for may lie in the next, or before."""
+    """Peaks beside the ends of steps: what one step asks for may lie in the next, or in the one before."""
     (tmp_path / "case.yaml").write_text(CASE.replace("tolerance: 1 %", "tolerance: 0.5 %"))
     solver = Solver(load_case(tmp_path / "case.yaml"))
     speeds = np.array(solver.scenarios.axes[0].values)

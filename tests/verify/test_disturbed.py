@@ -11,9 +11,11 @@ from tbi_cli.verify.cases import VERIFICATIONS
 from tbi_cli.verify.references.parameters import Array
 from tbi_cli.verify.solved import Solved, Verification, solve
 
-# Of cases that take seconds to solve or to compare: the static limit, the order of the integrator, irregular
-# rails, Hertz contact.  And what is found out of the assembled equations, without any results.
-_DEAR, _WITHOUT_RESULTS = {4, 7, 11, 12}, {9}
+# Of cases that take seconds to solve or to compare: the static limit, the order of the integrator, whole
+# crossings, irregular rails, Hertz contact.  And what is found out of the assembled equations alone.
+_DEAR, _WITHOUT_RESULTS = {4, 7, 10, 11, 12}, {9}
+# A check that allows more, by what is left of a fit when numbers are off this way and that.
+_ONE_SIDED = "least share of a mode that counts"
 GROUPS = [v for v in VERIFICATIONS if v.number not in _DEAR | _WITHOUT_RESULTS]
 
 
@@ -49,7 +51,11 @@ def test_every_check_fails_on_results_that_are_off(verification: Verification, t
     outcome = verification.compare(solved)
     for file in solved.values():
         file.close()
-    passed = [f"{check.case}: {check.quantity}" for check in outcome.checks if check.passed]
+    passed = [
+        f"{check.case}: {check.quantity}"
+        for check in outcome.checks
+        if check.passed and check.quantity != _ONE_SIDED
+    ]
     if verification.title.startswith("Frequencies"):
         assert len(outcome.checks) - len(passed) == 1
     else:
