@@ -5,6 +5,10 @@ from __future__ import annotations
 import os
 
 import pytest
+from hypothesis import Phase, settings
+
+# For scripts/mutate.py: that a test fails is enough; it need not find the smallest example.
+settings.register_profile("any-failure", phases=(Phase.explicit, Phase.generate))
 
 
 def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:

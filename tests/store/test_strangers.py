@@ -191,6 +191,19 @@ def test_harm(good: Path, tmp_path: Path, harm: Callable[[h5py.File], None]) -> 
     assert len(message) < len(str(tmp_path)) + 400
 
 
+def test_a_size_that_is_only_claimed_is_refused(good: Path, tmp_path: Path) -> None:
+    """A history that memory has room for, five million samples, of which the file holds none."""
+    path = Path(shutil.copy(good, tmp_path / "results.h5"))
+    with h5py.File(path, "a") as file:
+        for name in ("time", *(channel.name for channel in OF.history_channels)):
+            replace_by(f"histories/1/{name}", shape=(5_000_000,), dtype="f8", chunks=(10**6,))(file)
+    with (
+        open_results(path) as results,
+        pytest.raises(StoreError, match="claims 40000000 bytes, but only 0 are stored"),
+    ):
+        results.history(1)
+
+
 def test_what_does_no_harm(good: Path, tmp_path: Path) -> None:
     """Other things in the file, odd attributes, and histories of cases outside the grid."""
     path = Path(shutil.copy(good, tmp_path / "results.h5"))
