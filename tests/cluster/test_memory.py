@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tbi_cli.case import load_case
-from tbi_cli.runner import Options, RunError, plan_of, run
+from tbi_cli.case import RunError, load_case
+from tbi_cli.runner import Options, plan_of, run
 from tbi_cli.solve import Solver
 from tbi_cli.store.records import BatchResult
 from tbi_cli.workers import Workers, solve_batches
