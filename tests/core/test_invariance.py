@@ -14,15 +14,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tbi_cli.batch import build_batch
-from tbi_cli.integrator import kernel_cache, native
+from tbi_cli.integrator import native
 from tbi_cli.integrator.arrays import LANES, Vector
 from tbi_cli.integrator.integrate import integrate
 from tbi_cli.integrator.kernel_cache import call
 from tbi_cli.integrator.kernels import KERNELS
-from tbi_cli.integrator.machine_code import compiled, module, object_code
+from tbi_cli.integrator.machine_code import compiled, module
 from tbi_cli.runner import Options, run
 from tbi_cli.solve import Solver
 from tbi_cli.workers import Workers
+from tests.core.compilations import of_the_oldest_processor
 from tests.core.crossings import paper, tables
 
 VELOCITIES = "[31, 50, 72.5, 90, 111, 138, 150, 177, 193, 200]"
@@ -137,11 +138,8 @@ def test_the_same_bits_without_wide_vectors(
     """Code for the oldest processor of this kind: vectors of two, and multiply-adds by a library."""
     case = paper(*overrides, "sweep={velocity: [50, 60, 83.3]}", "solver.duration=1")
     here = _bits(Solver(case), [0, 1, 2])
-    monkeypatch.setattr(native.llvm, "get_host_cpu_name", lambda: "x86-64")
-    monkeypatch.setattr(native.llvm, "get_host_cpu_features", native.llvm.FeatureMap)
-    code = object_code(name)
+    code = of_the_oldest_processor(monkeypatch, [name])[name]
     assert b"fma" in code, "calls the library, as this processor has no such instruction"
-    monkeypatch.setitem(kernel_cache._functions, name, native.Loaded(name, code))
     assert _bits(Solver(case), [0, 1, 2]) == here
 
 
