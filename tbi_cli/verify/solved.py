@@ -28,24 +28,22 @@ class Verification:
 
 
 class Solved:
-    """A results file, read back through the package's own reader."""
+    """A results file, read back through the package's own reader.
 
-    def __init__(self, path: Path) -> None:
+    case: its case file as it was written, of plain mappings and SI numbers where a reference looks into it.
+    References go by that and not by what the results file says, so that they do not share a mistake in
+    reading a case: a default, a unit, one bogie for the other.
+    """
+
+    def __init__(self, path: Path, case: Mapping[str, Any]) -> None:
         from tbi_cli.store import open_results
 
         self._results = open_results(path)
+        self.case = case
 
     def close(self) -> None:
         """Close the file."""
         self._results.close()
-
-    @property
-    def case(self) -> dict[str, Any]:
-        """The resolved case that the file says it holds: plain mappings, SI numbers."""
-        import yaml
-
-        loaded: dict[str, Any] = yaml.safe_load(self._results.case_yaml)
-        return loaded
 
     @property
     def crossing(self) -> Crossing:
@@ -87,6 +85,8 @@ def solve(case: str, name: str, folder: Path) -> Solved:
 
     Raises CaseFailedError for a case that is refused or fails.
     """
+    import yaml
+
     from tbi_cli.case import load_case
     from tbi_cli.errors import UserError
     from tbi_cli.runner import Options, run
@@ -99,4 +99,4 @@ def solve(case: str, name: str, folder: Path) -> Solved:
         raise CaseFailedError(f"{name}: {error}") from error
     if summary.failed or summary.left:
         raise CaseFailedError(f"{name}: {'; '.join(summary.messages) or 'not all scenarios were solved'}")
-    return Solved(results_file)
+    return Solved(results_file, yaml.safe_load(case))

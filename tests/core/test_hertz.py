@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -11,30 +13,43 @@ from tbi_cli.runner import plan_of
 from tbi_cli.solve import Solver
 from tbi_cli.timegrid import contact_rate
 from tbi_cli.verify.references.rails import hertz_channels
+from tbi_cli.verify.references.scaling import mirror_sign, mirrored
 from tests.core.crossings import Histories, histories, paper, tables
+from tests.core.random_cases import crossing, masses, merged, read
 
-ALL = "output.histories=all"
 HERTZ = "contact={model: hertz}"
-EQUAL = "bridge.left={youngs_modulus: 207e9, second_moment: 0.2, mass_per_length: 20e3, damping: 1e4}"
 WHEELS = [f"wheel_{axle}_{side}" for axle in range(1, 5) for side in ("right", "left")]
-BOUNCING = "track.irregularity.dip={at: -30, length: 2, depth: 6 mm, rails: right}"
+# What lifts wheels off: a dip in one rail, a bump in the other, both ahead of the bridge.
+BOUNCING = {
+    "contact": {"model": "hertz"},
+    "velocity": 60.0,
+    "track": {
+        "approach": 50.0,
+        "irregularity": {
+            "dip": {"at": -30.0, "length": 2.0, "depth": 6e-3, "rails": "right"},
+            "half_sine": {"at": -21.3, "length": 3.1, "height": 2e-3, "rails": "left"},
+        },
+    },
+    "solver": {"sampling": 5e-4, "substeps": "auto", "duration": 0.7},
+}
+ARM = "primary_half_spacing"
+COARSE = {"sampling": 2e-3, "substeps": "auto", "duration": 1.5}
 
 
-def limit(stiffness: float, mass: float) -> tuple[Histories, Histories]:
-    """The same crossing with Hertz contact and with the paper's, wheelsets of this mass (kg).
+def limit(
+    seed: int, stiffness: float, mass: float, alike: bool
+) -> tuple[dict[str, Any], tuple[Histories, Histories]]:
+    """A case, and the same crossing with Hertz contact and with the paper's, wheelsets of this mass (kg).
 
-    The static load is held: the car body weighs what is missing of the wheelsets.
+    alike: both beams are the right one.
     """
-    wheelset = (
-        f"train.wheelset.mass={mass}",
-        f"train.wheelset.roll_inertia={0.36 * mass}",
-        f"train.car_body.mass={40e3 + 4 * (1901.8 - mass)}",
-    )
-    common = (EQUAL, *wheelset, "velocity=50", "solver={sampling: 0.002, substeps: auto, duration: 1.5}", ALL)
-    return (
-        histories(paper(f"contact={{model: hertz, stiffness: {stiffness}}}", *common)),
-        histories(paper("contact={model: paper, static_load: physical, convective: true}", *common)),
-    )
+    wheelset = {"mass": mass, "roll_inertia": 0.36 * mass}
+    case = crossing(seed, raster=0.1, velocity=50.0, train={"wheelset": wheelset}, solver=COARSE)
+    if alike:
+        case["bridge"] |= {"left": case["bridge"]["right"]}
+    the_paper_s = {"model": "paper", "static_load": "physical", "convective": True}
+    hertz = case | {"contact": {"model": "hertz", "stiffness": stiffness}}
+    return case, (histories(read(hertz)), histories(read(case | {"contact": the_paper_s})))
 
 
 def vertical(h: Histories) -> list[str]:
@@ -48,13 +63,14 @@ def deviation(one: Histories, other: Histories, name: str) -> float:
 
 
 def test_the_paper_s_contact_is_the_limit() -> None:
-    """k_H -> infinity, m_w and I_wx -> 0 with f_g held: y and pitch to 1e-3 of peak, and better ever after.
+    """k_H -> infinity, m_w and I_wx -> 0: y and pitch to 1e-3 of peak, and better ever after.
 
-    What is left is proportional to the mass (of 40 kg, and of 20 kg) and to 1/k_H: half of it.
+    What is left is proportional to the mass (of 40 kg, and of 20 kg) and to 1/k_H: half of it.  On equal
+    beams, for roll has another limit; front and rear differ.
     """
     found = []
     for stiffness, mass in ((1e10, 40.0), (2e10, 20.0)):
-        hertz, the_paper_s = limit(stiffness, mass)
+        _, (hertz, the_paper_s) = limit(21, stiffness, mass, alike=True)
         names = vertical(the_paper_s)
         assert len(names) == 12
         found.append(max(deviation(hertz, the_paper_s, name) for name in names))
@@ -67,31 +83,33 @@ def test_roll_and_lateral_motion_have_another_limit() -> None:
 
     With unequal beams the bogies roll with the wheelsets' rails in one, and hang free in the other.
     """
-    common = ("velocity=50", "solver={sampling: 0.002, substeps: auto, duration: 1.5}", ALL)
-    light = ("train.wheelset.mass=20", "train.wheelset.roll_inertia=7")
-    hertz = histories(paper("contact={model: hertz, stiffness: 2e10}", *light, *common))
-    other = histories(
-        paper("contact={model: paper, static_load: physical, convective: true}", *light, *common)
-    )
+    case, (hertz, other) = limit(22, 2e10, 20.0, alike=False)
     assert deviation(hertz, other, "front_bogie_roll") > 0.3
-    # The wheelset of no inertia that carries no moment: both of its springs are stretched alike.
-    force = other["wheel_1_right_force"] - other["wheel_1_left_force"]
-    assert np.max(np.abs(force)) < 1e-2 * np.ptp(other["wheel_1_right_force"])
+    # Eq. (29): what the springs of a wheelset do not have in common turns it, and next to nothing is enough.
+    inertia, arm = (case["train"][at][key] for at, key in (("wheelset", "roll_inertia"), ("geometry", ARM)))
+    for axle in range(1, 5):
+        right, left = (other[f"wheel_{axle}_{side}_force"] for side in ("right", "left"))
+        turned = inertia * other[f"wheelset_{axle}_roll_acceleration"]
+        assert np.max(np.abs((right - left) * arm - turned)) < 1e-10 * np.max(right) * arm
+        assert np.max(np.abs(right - left)) < 0.1 * np.ptp(right)
 
 
-@pytest.mark.parametrize("velocity", [37.3, 77.7])
-def test_peaks_where_axles_enter_inside_steps(velocity: float) -> None:
+@pytest.mark.parametrize(("seed", "velocity"), [(23, 37.3), (24, 77.7)])
+def test_peaks_where_axles_enter_inside_steps(seed: int, velocity: float) -> None:
     """Automatic substeps at 0.5 ms against DOP853 with events, at the same samples.
 
     Displacements are good to 1e-5.  At 77.7 m/s the impact of the bridge's end lifts wheels off, and the
     kinks in their forces leave 3 % in the rolling of the wheelsets, which rings at 241 Hz; 0.5 % in forces.
     """
-    case = paper(
-        "contact={model: hertz, damping: 50e3}", f"velocity={velocity}",
-        "solver={sampling: 0.0005, substeps: auto, duration: 0.8}", ALL,
-    )  # fmt: skip
-    ours = histories(case)
-    theirs = hertz_channels(case.resolved(), ours["time"])
+    case = crossing(
+        seed,
+        raster=1e-3,
+        velocity=velocity,
+        contact={"model": "hertz", "damping": 50e3},
+        solver={"sampling": 5e-4, "substeps": "auto", "duration": 0.8},
+    )
+    ours = histories(read(case))
+    theirs = hertz_channels(case, ours["time"])
     for name in theirs:
         peak, other = (np.max(np.abs(h[name])) for h in (ours, theirs))
         sharp = 5e-3 if name.endswith(("_force", "_unloading")) else 3e-2
@@ -100,36 +118,48 @@ def test_peaks_where_axles_enter_inside_steps(velocity: float) -> None:
 
 
 def test_fourth_order_while_wheels_touch() -> None:
-    """Fitted slope of the error of a wheelset over a dip on the approach; no wheel lifts off, ends on steps.
+    """Fitted slope of the error of wheelsets over a dip on the approach; no wheel lifts off, ends on steps.
 
-    It bounces at 1213 rad/s: omega h is 0.6 to 0.15.
+    They bounce at 1200 to 1700 rad/s: omega h is 0.4 to 0.1.
     """
-    dip = "track={approach: 30, irregularity: {dip: {at: -25, length: 10, depth: 1 mm}}}"
-    common = (HERTZ, dip, "velocity=50", "solver={sampling: 0.05, substeps: 100, duration: 0.1}", ALL)
-    finest = histories(paper(*common, "solver.substeps=3200"))
-    assert finest["wheel_1_right_time_aloft"][-1] == 0
-    errors, counts = [], (100, 200, 400)
-    for n in counts:
-        h = histories(paper(*common, f"solver.substeps={n}"))
-        before = h["time"] < 0
-        errors.append(np.max(np.abs(h["wheelset_1_y"] - finest["wheelset_1_y"])[before]))
-    assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] > 3.7
+    dip = {"dip": {"at": -25.0, "length": 10.0, "depth": 1e-3}, "half_sine": {"at": -20.0, "length": 10.0}}
+    dip["half_sine"] |= {"height": 0.5e-3, "rails": "left"}
+    case = crossing(
+        25,
+        velocity=50.0,
+        contact={"model": "hertz"},
+        track={"approach": 30.0, "irregularity": dip},
+        solver={"sampling": 0.05, "duration": 0.1},
+    )
+    finest = histories(read(case, "solver.substeps=3200"))
+    counts = (200, 400, 800)
+    runs = [histories(read(case, f"solver.substeps={n}")) for n in counts]
+    before = finest["time"] < 0
+    assert all(finest[f"{wheel}_time_aloft"][before][-1] == 0 for wheel in WHEELS)
+    for name in ("wheelset_1_y", "wheelset_4_y", "wheelset_2_roll"):
+        errors = [np.max(np.abs(h[name] - finest[name])[before]) for h in runs]
+        assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] > 3.7, name
 
 
-def test_forces_of_all_wheels_carry_the_train() -> None:
+@pytest.fixture(scope="module")
+def bouncing() -> tuple[dict[str, Any], Histories]:
+    """A train whose wheels lift off, and its histories."""
+    case = crossing(26, raster=1e-3, **BOUNCING)
+    return case, histories(read(case))
+
+
+def test_forces_of_all_wheels_carry_the_train(bouncing: tuple[dict[str, Any], Histories]) -> None:
     """Newton's law for the whole train at every sample, wheels in the air or not: to rounding."""
-    h = histories(paper(HERTZ, BOUNCING, "velocity=60", "solver={sampling: 0.0005, duration: 0.7}", ALL))
-    masses = {"car_body": 40e3, "front_bogie": 2280.0, "rear_bogie": 2280.0}
-    masses |= {f"wheelset_{k}": 1901.8 for k in range(1, 5)}
-    carried = sum(m * (9.81 + h[f"{body}_y_acceleration"]) for body, m in masses.items())
+    case, h = bouncing
+    carried = sum(m * (9.81 + h[f"{body}_y_acceleration"]) for body, m in masses(case).items())
     total = sum(h[f"{wheel}_force"] for wheel in WHEELS)
     assert np.max(np.abs(total - carried)) < 1e-11 * np.max(carried)
 
 
-def test_a_wheel_lifts_off_and_comes_back() -> None:
+def test_a_wheel_lifts_off_and_comes_back(bouncing: tuple[dict[str, Any], Histories]) -> None:
     """Force, unloading ratio and time aloft tell the same story."""
-    case = paper(HERTZ, BOUNCING, "velocity=60", "solver={sampling: 0.0005, duration: 0.7}", ALL)
-    h, table = histories(case), tables(case)
+    case, h = bouncing
+    table = tables(read(case))
     for wheel in WHEELS:
         force, unloading, aloft = (h[f"{wheel}_{what}"] for what in ("force", "unloading", "time_aloft"))
         static = force[0]
@@ -152,11 +182,15 @@ def test_a_train_at_rest_on_the_bridge() -> None:
 
     v/v_cr is 0.55 % at 0.5 m/s; what is left of the dynamics is at most that.  The wheelsets are 15 % of all.
     """
-    case = paper(
-        HERTZ,
-        "velocity=0.5",
-        "bridge.modes=1",
-        "solver={sampling: 0.05, substeps: auto, duration: 1}",
+    case = read(
+        crossing(
+            27,
+            velocity=0.5,
+            contact={"model": "hertz"},
+            bridge={"modes": 1},
+            solver={"sampling": 0.05, "substeps": "auto", "duration": 1.0},
+            output={"histories": "none"},
+        )
     )
     result = Solver(case).solve([0])
     assert result is not None
@@ -194,25 +228,17 @@ def test_an_unstable_step_is_refused_before_the_run() -> None:
     assert np.isfinite(tables(stable)["peak"]["car_body_y"]).all()
 
 
-def test_mirror_left_to_right() -> None:
+def test_mirror_left_to_right(bouncing: tuple[dict[str, Any], Histories]) -> None:
     """Beams and rails exchanged: forces change sides, roll changes its sign.
 
     Rounding enters in another order at the left wheels; where wheels bounce it grows.
     """
-    right, left = (
-        "{youngs_modulus: 207e9, second_moment: 0.2, mass_per_length: 20e3, damping: 1e4}",
-        "{youngs_modulus: 200e9, second_moment: 0.2, mass_per_length: 18e3, damping: 1e4}",
-    )
-    common = (HERTZ, "velocity=60", "solver={sampling: 0.0005, duration: 0.7}", ALL)
-    one = histories(paper(*common, BOUNCING))
-    other = histories(
-        paper(*common, BOUNCING.replace("right", "left"), f"bridge.right={left}", f"bridge.left={right}")
-    )
-    sides = {"right": "left", "left": "right"}
-    for name, values in one.items():
-        twin = other["_".join(sides.get(word, word) for word in name.split("_"))]
-        odd = any(word in name.split("_") for word in ("z", "roll", "yaw"))
-        assert np.max(np.abs(values - (-twin if odd else twin))) <= 1e-6 * np.max(np.abs(values)), name
+    case, one = bouncing
+    rails = {"dip": {"rails": "left"}, "half_sine": {"rails": "right"}}
+    other = histories(read(merged(mirrored(case), {"track": {"irregularity": rails}})))
+    for name in one.keys() - {"time"}:
+        image, sign = mirror_sign(name)
+        assert np.max(np.abs(other[image] - sign * one[name])) <= 1e-6 * np.max(np.abs(one[name])), name
 
 
 def test_channels_are_those_of_thirty_one_coordinates() -> None:

@@ -25,9 +25,11 @@ from tbi_cli.solve import Solver
 from tbi_cli.workers import Workers
 from tests.core.compilations import of_the_oldest_processor
 from tests.core.crossings import paper, tables
+from tests.core.random_cases import crossing, read
 
 VELOCITIES = "[31, 50, 72.5, 90, 111, 138, 150, 177, 193, 200]"
 GRID = f"sweep={{velocity: {VELOCITIES}, train.car_body.mass: [20 t, 40 t, 77 t]}}"
+UNEQUAL = crossing(51, raster=1e-3, output={"histories": "none"})
 
 
 def _bits(solver: Solver, indices: list[int]) -> dict[int, bytes]:
@@ -43,26 +45,27 @@ def _bits(solver: Solver, indices: list[int]) -> dict[int, bytes]:
 @given(data=st.data())
 def test_a_scenario_has_the_same_bits_in_any_company(data: st.DataObject) -> None:
     """Alone, or with any others in any order, across more than one block of lanes."""
-    solver = Solver(paper(GRID, "solver.duration=1"))
+    solver = Solver(read(UNEQUAL, GRID, "solver.duration=1"))
     chosen = data.draw(st.lists(st.integers(0, 29), min_size=1, max_size=2 * LANES + 3, unique=True))
     together = _bits(solver, chosen)
     for index in chosen[:3]:
-        assert _bits(Solver(paper(GRID, "solver.duration=1")), [index]) == {index: together[index]}
+        assert _bits(Solver(read(UNEQUAL, GRID, "solver.duration=1")), [index]) == {index: together[index]}
 
 
 def test_a_case_has_the_same_bits_as_a_point_of_a_grid() -> None:
     """The grid point (50 m/s, 77 t) and the case that says so."""
     index = 1 * 3 + 2
-    grid = _bits(Solver(paper(GRID)), [index])[index]
-    alone = _bits(Solver(paper("velocity=50", "train.car_body.mass=77 t")), [0])[0]
+    grid = _bits(Solver(read(UNEQUAL, GRID)), [index])[index]
+    alone = _bits(Solver(read(UNEQUAL, "velocity=50", "train.car_body.mass=77 t")), [0])[0]
     assert grid == alone
 
 
 @pytest.mark.parametrize("modes", [1, 2, 7, 20])
 def test_any_number_of_modes(modes: int) -> None:
     """1 to 20 modes, alone and beside others that have another number."""
-    swept = Solver(paper("sweep={modes: [1, 2, 7, 20]}", "solver.duration=1"))
-    alone = Solver(paper(f"bridge.modes={modes}", "solver.duration=1"))
+    steps = "solver={substeps: auto, duration: 1}"
+    swept = Solver(read(UNEQUAL, "sweep={modes: [1, 2, 7, 20]}", steps))
+    alone = Solver(read(UNEQUAL, f"bridge.modes={modes}", steps))
     index = [1, 2, 7, 20].index(modes)
     assert _bits(swept, [index])[index] == _bits(alone, [0])[0]
 

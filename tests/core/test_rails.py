@@ -17,11 +17,16 @@ from tbi_cli.shards import Shard
 from tbi_cli.solve import Solver
 from tbi_cli.store import open_results
 from tbi_cli.track import SPECTRA
+from tbi_cli.verify.references.parameters import crossing_from_case
+from tbi_cli.verify.references.rail_shapes import rails_of
 from tbi_cli.workers import Workers
 from tests.core.crossings import case_from, histories, paper, tables
+from tests.core.random_cases import crossing, read
+from tests.track.unsymmetric import unsymmetric
 
 Array = NDArray[np.float64]
 ALL = "output.histories=all"
+PARTS = ("level", "curvature")
 RANDOM = "track.irregularity.random={spectrum: german-high, coherence: independent}"
 SPRUNG_MASS = """
 train: {model: sprung-mass, mass: 5750, stiffness: 1595 kN/m, damping: 60 kN*s/m}
@@ -56,41 +61,42 @@ def test_the_window_begins_on_the_approach() -> None:
     assert all(np.all(values[0] == 0) for name, values in h.items() if name.endswith(("_y", "_midspan")))
 
 
-@pytest.mark.parametrize("contact", ["{model: paper, static_load: physical}", "{model: hertz}"])
-def test_level_irregular_rails_are_level_rails(contact: str) -> None:
+@pytest.mark.parametrize(("seed", "model"), [(31, "paper"), (32, "hertz")])
+def test_level_irregular_rails_are_level_rails(seed: int, model: str) -> None:
     """A ramp of next to nothing: the same crossing but for the window, from t = 0 on.
 
     The same steps from t = 0: 50 m/s and 25 m are 500 samples.  Rounding of places enters in another way.
     """
-    overrides = (
-        f"contact={contact}",
-        "velocity=50",
-        "solver={sampling: 0.001, substeps: 6, duration: 1}",
-        ALL,
-    )
-    level = histories(paper(*overrides))
-    ramp = "track={approach: 25, irregularity: {ramp: {at: -20, length: 10, height: 1e-15}}}"
-    other = histories(paper(*overrides, ramp))
+    solver = {"sampling": 1e-3, "substeps": 6, "duration": 1.0}
+    case = crossing(seed, velocity=50.0, contact={"model": model}, solver=solver)
+    level = histories(read(case))
+    ramp = {"at": -20.0, "length": 10.0, "height": 1e-15, "rails": "left"}
+    other = histories(read(case | {"track": {"approach": 25.0, "irregularity": {"ramp": ramp}}}))
     for name, values in level.items():
         after = other[name][500:]
         size = max(float(np.max(np.abs(values))), 1e-12)
         assert np.max(np.abs(after - values)) < 1e-6 * size, name
 
 
-def test_a_wheelset_follows_its_rails() -> None:
-    """The paper's wheelset is the mean of beam and rail under its two wheels."""
-    irregularity = "{dip: {at: -30, length: 10, depth: 4 mm, rails: right}}"
-    h = histories(paper(f"track={{approach: 40, irregularity: {irregularity}}}", "velocity=50", ALL))
-    x = 50 * h["time"] - 20.0
-    inside = (x > -30) & (x < -20)
-    rail = np.where(inside, -2e-3 * (1 - np.cos(2 * np.pi * (x + 30) / 10)), 0.0)
-    before = x < 0
-    assert h["wheelset_4_y"][before] == pytest.approx(rail[before] / 2, abs=1e-9)
-    bend = np.where(inside, -2e-3 * (2 * np.pi / 10) ** 2 * np.cos(2 * np.pi * (x + 30) / 10), 0.0)
-    # Cubics bend as straight lines: (2 pi/64)^2/12 = 8e-4.
-    away = np.min(np.abs(x[:, None] - np.array([-30, -20, 0])), axis=1) > 0.2
-    acceleration = h["wheelset_4_y_acceleration"][before & away]
-    assert acceleration == pytest.approx(2500 * bend[before & away] / 2, abs=1e-3 * 2500 * 8e-4)
+def test_wheelsets_follow_their_rails() -> None:
+    """The paper's wheelset is the mean of beam and rail under its two wheels: on the approach, of the rails.
+
+    Cubics of the waves, 64 in each: (2 pi/64)^4/384 = 2.4e-7 of their levels, and they bend as straight
+    lines: (2 pi/64)^2/12 = 8e-4 of their curvatures.
+    """
+    case = crossing(33, raster=1e-3, velocity=50.0, solver={"duration": 0.6})
+    irregularity = unsymmetric(33, -52.0, -3.0)
+    case |= {"track": {"approach": 80.0, "irregularity": irregularity}}
+    h, known = histories(read(case)), crossing_from_case(case)
+    rails = rails_of(irregularity, 80.0, known.right.length)
+    corners = np.array([*rails[0].corners, *rails[1].corners, -80.0])
+    for axle, behind in enumerate(known.train.axle_distances, 1):
+        x = 50.0 * h["time"] - behind
+        kept = (x < 0) & (np.min(np.abs(x[:, None] - corners), axis=1) > 0.2)
+        level, bend = (np.mean([getattr(rail, of)(x[kept]) for rail in rails], axis=0) for of in PARTS)
+        assert h[f"wheelset_{axle}_y"][kept] == pytest.approx(level, abs=5e-7 * 3e-3)
+        acceleration, expected = h[f"wheelset_{axle}_y_acceleration"][kept], 2500.0 * bend
+        assert acceleration == pytest.approx(expected, abs=1e-3 * np.max(np.abs(expected)))
 
 
 @pytest.mark.parametrize("contact", ["{model: paper, static_load: physical}", "{model: hertz}"])
@@ -98,12 +104,15 @@ def test_a_scenario_has_the_same_bits_in_any_company(contact: str) -> None:
     """Other seeds, speeds and lengths of track beside it, in more than one block of lanes."""
     grid = "sweep={seed: [1, 2, 3], velocity: [40, 75], track.approach: [30, 100]}"
     overrides = (f"contact={contact}", RANDOM, "solver={sampling: 0.001, substeps: 4, duration: 0.6}")
-    everything = _bits(Solver(paper(*overrides, grid)), list(range(12)))
+    base = crossing(34, raster=1e-3, output={"histories": "none"})
+    everything = _bits(Solver(read(base, *overrides, grid)), list(range(12)))
     assert len(set(everything.values())) == 12
     assert len(everything) > LANES
     for index in (0, 5, 11):
-        assert _bits(Solver(paper(*overrides, grid)), [index])[index] == everything[index]
-    alone = paper(*overrides, RANDOM.replace("{spec", "{seed: 2, spec"), "velocity=75", "track.approach=30")
+        assert _bits(Solver(read(base, *overrides, grid)), [index])[index] == everything[index]
+    alone = read(
+        base, *overrides, RANDOM.replace("{spec", "{seed: 2, spec"), "velocity=75", "track.approach=30"
+    )
     assert _bits(Solver(alone), [0])[0] == everything[1 * 4 + 1 * 2]
 
 

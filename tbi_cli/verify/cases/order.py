@@ -8,6 +8,7 @@ import numpy as np
 
 from tbi_cli.verify.cases.full_train import changed, text
 from tbi_cli.verify.cases.moving_force import FORCE, LENGTH, V_C, beam
+from tbi_cli.verify.cases.whole_crossing import LOPSIDED
 from tbi_cli.verify.check import Curve, Line, Outcome, Tolerance
 from tbi_cli.verify.references.crossing import CoupledSystem, crossing_channels
 from tbi_cli.verify.references.moving_force import deflection
@@ -47,11 +48,12 @@ CASES = {
     "order-train": text(
         changed(
             {
+                **LOPSIDED,
                 "solver": {"sampling": TRAIN_SAMPLING, "substeps": 1, "duration": 1.5},
                 "sweep": {"solver.substeps": list(SUBSTEPS)},
             }
         ),
-        "Order over the substeps, full train",
+        "Order over the substeps, full train with unequal ends",
     ),
     "order-modes": FORCE_CASE.format(
         title="Convergence over modes",

@@ -8,13 +8,14 @@ import numpy as np
 
 from tbi_cli.verify.cases.full_train import changed, text
 from tbi_cli.verify.cases.moving_force import V_C
+from tbi_cli.verify.cases.whole_crossing import LOPSIDED
 from tbi_cli.verify.check import Outcome, Tolerance, worst_channel
 from tbi_cli.verify.references.parameters import Array
 from tbi_cli.verify.references.scaling import mirror_sign, mirrored, response_scale, scaled
 from tbi_cli.verify.solved import Solved, Verification
 
 LENGTH_SCALE, MASS_SCALE, TIME_SCALE = 4.0, 8.0, 2.0
-BASE = changed({"velocity": 300 / 3.6, "solver.duration": 1.5})
+BASE = changed({**LOPSIDED, "velocity": 300 / 3.6, "solver.duration": 1.5})
 FORCES, LAG_SAMPLES = (100e3, 60e3), 300
 SAMPLING = 1e-3
 SPEED = 0.4 * V_C
