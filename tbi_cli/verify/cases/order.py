@@ -6,9 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from tbi_cli.verify.cases.full_train import changed, text
+from tbi_cli.verify.cases.full_train import LOPSIDED, changed, text
 from tbi_cli.verify.cases.moving_force import FORCE, LENGTH, V_C, beam
-from tbi_cli.verify.cases.whole_crossing import LOPSIDED
 from tbi_cli.verify.check import Curve, Line, Outcome, Tolerance
 from tbi_cli.verify.references.crossing import CoupledSystem, crossing_channels
 from tbi_cli.verify.references.moving_force import deflection

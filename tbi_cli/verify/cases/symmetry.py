@@ -6,9 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from tbi_cli.verify.cases.full_train import changed, text
+from tbi_cli.verify.cases.full_train import LOPSIDED, changed, text
 from tbi_cli.verify.cases.moving_force import V_C
-from tbi_cli.verify.cases.whole_crossing import LOPSIDED
 from tbi_cli.verify.check import Outcome, Tolerance, worst_channel
 from tbi_cli.verify.references.parameters import Array
 from tbi_cli.verify.references.scaling import mirror_sign, mirrored, response_scale, scaled
