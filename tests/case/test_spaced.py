@@ -6,6 +6,7 @@ What is compared with is read from texts: `float` of the decimal, or the same ke
 from __future__ import annotations
 
 import random
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -73,9 +74,12 @@ def test_logarithmic_values_are_decimals_where_they_are_meant(loads: Loads) -> N
 
 
 def test_a_refined_range_has_decimals_too(loads: Loads) -> None:
-    # A 32nd of a step of 3.2 m/s is 0.1 m/s.
+    """Eleven steps of 3.2 m/s, each in as many parts as the tolerance needs: doubles nearest to the fractions."""
     values = velocities(loads, "{from: 20.3, to: 55.5, step: 3.2, refine: resonance}")
-    assert values == tuple(float(decimal(203 + i, 1)) for i in range(353))
+    parts, rest = divmod(len(values) - 1, 11)
+    assert rest == 0 and parts % 32 == 0
+    exact = (Fraction(203, 10) + Fraction(32, 10) * i / parts for i in range(11 * parts + 1))
+    assert values == tuple(float(value) for value in exact)
 
 
 def test_numbers_of_python_are_their_decimals() -> None:
