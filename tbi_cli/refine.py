@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tbi_cli.case.messages import not_among
 from tbi_cli.case.refinement import LEAST_PARTS
 from tbi_cli.plan import costs_of
 from tbi_cli.shards import Shard
@@ -201,6 +202,5 @@ def _columns(solver: Solver, names: tuple[str, ...] | None) -> list[int]:
         )
     for name in names:
         if name not in tables:
-            text = f"expected some of {', '.join(tables)}; got {name}"
-            raise solver.case.refused("sweep.velocity.channels", text)
+            raise solver.case.refused("sweep.velocity.channels", not_among(name, tables))
     return [tables.index(name) for name in names]

@@ -14,6 +14,7 @@ import numpy as np
 
 from tbi_cli.advice import go_on, in_python
 from tbi_cli.case import Axis, Case
+from tbi_cli.case.messages import not_among
 from tbi_cli.errors import RunFailedError, UserError
 from tbi_cli.integrator.kernel_cache import compile_kernels
 from tbi_cli.plan import Plan, joined, make_plan
@@ -307,8 +308,7 @@ def results_layout(solver: Solver, origin: Mapping[str, Scalar]) -> Layout:
     try:
         histories = solver.histories
     except KeyError as error:
-        known = ", ".join(channel.name for channel in solver.channels)
-        text = f"expected some of {known}; got {error.args[0]}"
+        text = not_among(str(error.args[0]), [channel.name for channel in solver.channels])
         raise case.refused("output.histories.channels", text) from None
     dims = tuple(replace(_dim(axis), members=tuple(_dim(member) for member in axis.members)) for axis in axes)
     if not axes:

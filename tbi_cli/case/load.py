@@ -22,6 +22,7 @@ from tbi_cli.case.messages import (
     Problem,
     fail,
     in_order,
+    meant_by,
     of_many,
     quoted,
     suggestion,
@@ -172,7 +173,12 @@ def _has_unit(root: Mapping, key: str) -> bool:
 
 
 def _problems(error: ValidationError, root: Mapping) -> Iterable[Problem]:
-    """pydantic's errors in our words; what is wrong with many values of a list is said of the first."""
+    """pydantic's errors in our words; what is wrong with many values of a list is said of the first.
+
+    A key that is missing because another word stands for it is said once, of that word.
+    """
+    meant: set[tuple[str | int, ...]] = set()
+    missing: dict[tuple[str | int, ...], Problem] = {}
     for item, count in _alike(error.errors(include_url=False, include_context=True))[:MOST_ERRORS]:
         # Among the words are the models by which pydantic tells trains and vehicles apart: no keys.
         loc = item["loc"]
@@ -188,7 +194,14 @@ def _problems(error: ValidationError, root: Mapping) -> Iterable[Problem]:
         words += item.get("ctx", {}).get("at", ())
         key = ".".join(str(word) for word in words)
         text = _text(item["type"], item, words, root)
-        yield Problem(place_of(root, words), key, of_many(text, count))
+        problem = Problem(place_of(root, words), key, of_many(text, count))
+        if item["type"] in ("missing", "union_tag_not_found"):
+            missing[tuple(words)] = problem
+            continue
+        if item["type"] == "extra_forbidden":
+            meant.add((*words[:-1], meant_by(str(words[-1]), _known(words[:-1], root))))
+        yield problem
+    yield from (problem for words, problem in missing.items() if words not in meant)
 
 
 def _alike(errors: Sequence[Any]) -> list[tuple[Any, int]]:
@@ -208,15 +221,19 @@ def _alike(errors: Sequence[Any]) -> list[tuple[Any, int]]:
 def _text(kind: str, item: Any, words: Sequence[str | int], root: Mapping) -> str:
     if kind == "tbi":
         return str(item["msg"])
-    around = part_at(words[:-1], root)
     if kind == "extra_forbidden":
-        known = [*fields_of(around), *(["sweep", STUDIES] if around is Case else [])] if around else []
-        return f"unknown key; {suggestion(str(words[-1]), known)}"
+        return f"unknown key; {suggestion(str(words[-1]), _known(words[:-1], root))}"
     expected = _expected(words, root)
     if kind in ("missing", "union_tag_not_found"):
         return f"missing; expected {expected}"
     got = item["input"]
     return f"expected {expected}, got {quoted(got.get('model') if kind == 'union_tag_invalid' else got)}"
+
+
+def _known(words: Sequence[str | int], root: Mapping) -> list[str]:
+    """The keys of the mapping at these words."""
+    around = part_at(words, root)
+    return [*fields_of(around), *(["sweep", STUDIES] if around is Case else [])] if around else []
 
 
 def _expected(words: Sequence[str | int], root: Mapping) -> str:

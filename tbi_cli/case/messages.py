@@ -76,14 +76,31 @@ def synonym(word: str, known: Iterable[str]) -> str:
     return next((key for key in _SYNONYMS.get(word.lower(), ()) if key in known), "")
 
 
+_MOST_NAMES = 12  # of those known, in a message
+
+
 def suggestion(word: str, known: Iterable[str]) -> str:
     """'did you mean ...' for a synonym or the nearest known word, or else the list of them."""
     words = list(known)
-    near = [synonym(word, words)] if synonym(word, words) else []
-    near = near or get_close_matches(word[:80].lower(), words, n=1, cutoff=0.6)
-    if near:
-        return f"did you mean {near[0]}?"
+    if meant := meant_by(word, words):
+        return f"did you mean {meant}?"
     return f"known here: {', '.join(words)}" if words else "nothing is known here"
+
+
+def meant_by(word: str, known: Sequence[str]) -> str:
+    """The known word of which this one is a synonym, or to which it is nearest; empty if there is none."""
+    return synonym(word, known) or next(
+        iter(get_close_matches(word[:80].lower(), known, n=1, cutoff=0.6)), ""
+    )
+
+
+def not_among(name: str, known: Sequence[str]) -> str:
+    """Says that a name is none of those known: with the nearest one, else with the first of them."""
+    near = get_close_matches(name[:80], known, n=1, cutoff=0.6)
+    if near:
+        return f"unknown name {quoted(name)}; did you mean {near[0]}?"
+    more = f" and {len(known) - _MOST_NAMES} more" if len(known) > _MOST_NAMES else ""
+    return f"expected some of {', '.join(known[:_MOST_NAMES])}{more}; got {name}"
 
 
 # What a key may look like: a line such as root:x:0: is one to YAML as well, and no word of a train.

@@ -464,3 +464,34 @@ def test_an_odd_value_in_the_sweep_is_a_warning(loads: Loads) -> None:
         "case.yaml:12:9: warning: sweep.car_body_mass: 40 kg is outside the usual 2000 to 200000 kg; "
         'was "40 t" meant?'
     )
+
+
+def test_a_misspelt_required_key_is_one_message(says: Says) -> None:
+    """Of the word, not of what is missing as well; a key that no word stands for is missing all the same."""
+    text = """\
+sweep:
+  speed: [10]
+trian: paper
+bridge: {lenght: 3, right: {E: 3, I: 3, zeta: 2}}
+speed: 3
+"""
+    lines = [line for line in says(text).splitlines() if line.startswith("case.yaml")]
+    assert lines == [
+        "case.yaml:2:3: sweep.speed: no such key; did you mean velocity?",
+        "case.yaml:3:1: trian: unknown key; did you mean train?",
+        *[
+            f"case.yaml:4:{column}: bridge.{key}: {text}"
+            for column, key, text in (
+                (10, "lenght", "unknown key; did you mean length?"),
+                (
+                    21,
+                    "right.mass_per_length",
+                    'missing; expected a positive mass per length, e.g. "20 t/m" or 20000',
+                ),
+                (29, "right.E", "unknown key; did you mean youngs_modulus?"),
+                (35, "right.I", "unknown key; did you mean second_moment?"),
+                (41, "right.zeta", "unknown key; did you mean damping?"),
+            )
+        ],
+        "case.yaml:5:1: speed: unknown key; did you mean velocity?",
+    ]

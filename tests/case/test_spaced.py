@@ -74,7 +74,7 @@ def test_logarithmic_values_are_decimals_where_they_are_meant(loads: Loads) -> N
 
 
 def test_a_refined_range_has_decimals_too(loads: Loads) -> None:
-    """Eleven steps of 3.2 m/s, each in as many parts as the tolerance needs: doubles nearest to the fractions."""
+    """Eleven steps of 3.2 m/s, each in as many parts as needed: doubles nearest to the fractions."""
     values = velocities(loads, "{from: 20.3, to: 55.5, step: 3.2, refine: resonance}")
     parts, rest = divmod(len(values) - 1, 11)
     assert rest == 0 and parts % 32 == 0
