@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from tbi_cli.system.assembly import System, build_system
 from tests.core.crossings import paper
+
+Array = NDArray[np.float64]
 
 
 def system_with(seed: int, *, heights: bool, static_load: str = "paper") -> tuple[System, dict[str, float]]:
@@ -168,6 +172,49 @@ def test_energy_is_that_of_equation_1b(seed: int, heights: bool) -> None:
 
 def _bracket(text: str, q: Motion, p: dict[str, float]) -> float:
     return float(eval(text, {}, vars(q) | p)) ** 2
+
+
+def test_springs_between_bodies_that_turn() -> None:
+    """Twice the energy of small motions from the places of the springs' ends, by matrices of rotation.
+
+    Bodies are moved and turned by eps and by -eps, without any formula for small rotations: the mean of both
+    energies over eps^2 is exact to eps^2.  Longitudinal springs lie at the height of both centres (model.md).
+    """
+    eps = 1e-4
+    for seed in range(3):
+        system, p = system_with(seed, heights=True)
+        q = Motion(system, seed + 5)
+        for matrix, letter in ((system.K, "k"), (system.C, "c")):
+            mean = (_turned_energy(q, p, letter, eps) + _turned_energy(q, p, letter, -eps)) / (2 * eps**2)
+            assert q.vector @ matrix @ q.vector == pytest.approx(mean, rel=1e-5)
+
+
+def _turned_energy(q: Motion, p: dict[str, float], letter: str, eps: float) -> float:
+    """Sum of k stretch^2 over all springs on level track, the bodies where eps q puts them."""
+
+    def place(body: str, x: float, y: float, z: float) -> Array:
+        turn = eps * np.array([getattr(q, f"th_{body}{axis}", 0.0) for axis in "xyz"])
+        moved = eps * np.array([getattr(q, f"r_{body}{axis}", 0.0) for axis in "xyz"])
+        return Rotation.from_rotvec(turn).apply([x, y, z]) - [x, y, z] + moved
+
+    def spring(axis: str, name: str, upper: Array, lower: Array) -> float:
+        stretch = (upper - lower)["xyz".index(axis)]
+        return p[f"{letter}_{name}{axis}"] * float(stretch) ** 2
+
+    total = 0.0
+    ends = (("b1", p["l_b1"], "w1", (("w1", p["l_w1"]), ("w2", -p["l_w2"]))),)
+    ends += (("b2", -p["l_b2"], "w3", (("w3", p["l_w3"]), ("w4", -p["l_w4"]))),)
+    for bogie, x, primary, axles in ends:
+        for a in (p["a"], -p["a"]):
+            total += spring("y", bogie, place("c", x, 0, a), place(bogie, 0, 0, a))
+            total += spring("z", bogie, place("c", x, -p["h_c"], 0), place(bogie, 0, p["h_b"], 0))
+            total += spring("x", bogie, place("c", 0, 0, a), place(bogie, 0, 0, a))
+        for wheelset, arm in axles:
+            for d in (p["d"], -p["d"]):
+                total += spring("y", primary, place(bogie, arm, 0, d), place(wheelset, 0, 0, d))
+                total += spring("z", primary, place(bogie, arm, -p["h_w"], 0), place(wheelset, 0, 0, 0))
+                total += spring("x", primary, place(bogie, 0, 0, d), place(wheelset, 0, 0, d))
+    return total
 
 
 def test_a_train_has_31_coordinates_in_the_order_of_equation_9() -> None:

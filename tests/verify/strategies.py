@@ -111,9 +111,9 @@ def rigid_beams() -> st.SearchStrategy[dict[str, Any]]:
 
 @st.composite
 def moving_loads(draw: st.DrawFn) -> dict[str, Any]:
-    """One to five forces."""
-    gaps = draw(st.lists(_length(1, 20), max_size=4))
-    positions = [math.fsum(gaps[:k]) for k in range(len(gaps) + 1)]
+    """One to five forces; their positions begin anywhere."""
+    gaps = [draw(st.just(0.0) | _length(1, 30)), *draw(st.lists(_length(1, 20), max_size=4))]
+    positions = [math.fsum(gaps[: k + 1]) for k in range(len(gaps))]
     forces = draw(st.lists(_between(1e4, 2e5), min_size=len(positions), max_size=len(positions)))
     return {"model": "moving-load", "forces": forces, "positions": positions}
 
