@@ -69,15 +69,23 @@ def both_kernels(case: Case) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     gaps=st.lists(st.integers(0, 3000).map(lambda cm: cm / 100), min_size=1, max_size=11),
     velocity=st.floats(5.0, 120.0),
     sampling=st.sampled_from([5e-4, 1e-3, 2.3e-3]),
+    start=st.integers(0, 4000).map(lambda cm: cm / 100),
+    span=st.floats(6.0, 40.0),
 )
 def test_the_kernel_for_forces_is_the_general_one(
-    gaps: list[float], velocity: float, sampling: float, tmp_path_factory: pytest.TempPathFactory
+    gaps: list[float],
+    velocity: float,
+    sampling: float,
+    start: float,
+    span: float,
+    tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
     """Every channel over time, whatever stands on the bridge, enters and leaves within one step: rounding."""
-    positions = np.concatenate([[0.0], np.cumsum(gaps)]).tolist()
+    positions = (start + np.concatenate([[0.0], np.cumsum(gaps)])).tolist()
     forces = [1e5 + 1e4 * k for k in range(len(positions))]
     folder = tmp_path_factory.mktemp("forces")
-    case = forces_case(folder, forces, positions, velocity=velocity, sampling=sampling)
+    bridge = (f"bridge.length={span}", "bridge.stations={fractions: [0.15, 0.5, 1]}", "solver.substeps=auto")
+    case = forces_case(folder, forces, positions, *bridge, velocity=velocity, sampling=sampling)
     one, other = both_kernels(case)
     size = np.maximum(np.abs(other).max(axis=1), 1e-12)
     assert (np.abs(one - other).max(axis=1) < 1e-11 * size).all()
@@ -114,7 +122,8 @@ def test_a_consist_of_forces_is_their_list(tmp_path: Path) -> None:
 def exactly(
     folder: Path, *overrides: str, velocity: float, sampling: float
 ) -> dict[str, NDArray[np.float64]]:
-    forces, positions = [1e5, 8e4, 1.2e5], [0.0, 3.3, 24.7]
+    # They begin anywhere: 3.3 and 24.7 m behind the first.
+    forces, positions = [1e5, 8e4, 1.2e5], [4.25, 7.55, 28.95]
     case = forces_case(
         folder, forces, positions, "solver.method=exact", *overrides, velocity=velocity, sampling=sampling
     )
