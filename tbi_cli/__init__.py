@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from tbi_cli.runner import Options, Summary, run
     from tbi_cli.store import Results, open_results, studies_of
 
-__version__ = "0.1.0"
+__version__ = "0.2.0.dev0"
 
 _PLACES = {
     "Case": "tbi_cli.case",
