@@ -23,9 +23,11 @@ def test_frequencies_of_both_beams(seed: int) -> None:
         assert ours == pytest.approx(elements.frequencies(len(ours)), rel=4e-6)
 
 
-@pytest.mark.parametrize("seed", range(71, 74))
-def test_forces_on_elements(seed: int) -> None:
+@pytest.mark.parametrize(("seed", "most"), [(71, 4e4), (72, 4e4), (73, 4e5)])
+def test_forces_on_elements(seed: int, most: float) -> None:
     """Deflection, bending moment and shear force of unequal forces, first and last off the beam as on it.
+
+    Lightly damped, and so much (c in N s/m per m) that damping is a part of the shear force.
 
     Steps of 0.2 ms: the mean acceleration puts a mode off by (omega h)^2/12 of its phase, 1e-3 rad in a
     crossing for the first one, but a whole turn for the fifth, 25 times as fast: what vibrates freely of it
@@ -34,7 +36,7 @@ def test_forces_on_elements(seed: int) -> None:
     """
     random = np.random.default_rng(seed)
     length, velocity, step = float(random.uniform(12, 30)), float(random.uniform(30, 80)), 2e-4
-    EI, mu, c = random.uniform(2e9, 2e10), random.uniform(8e3, 2e4), random.uniform(5e3, 4e4)
+    EI, mu, c = random.uniform(2e9, 2e10), random.uniform(8e3, 2e4), random.uniform(most / 8, most)
     behind = np.concatenate([[0.0], np.cumsum(random.uniform(1.3, 0.6 * length, 4))])
     forces = random.uniform(4e4, 2e5, 5)
     node = int(random.integers(12, 49))
