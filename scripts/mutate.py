@@ -3,12 +3,13 @@
 
     python scripts/mutate.py                 all faults, two at a time (about an hour of two cores)
     python scripts/mutate.py kernel lock     those whose name or file contains a word
-    python scripts/mutate.py --check         whether every fault's place is still there; runs no test
+    python scripts/mutate.py --check         whether every fault's place and tests are still there; runs none
     python scripts/mutate.py --markdown FILE the table of docs/VERIFICATION.md as well
 
 The faults are data: scripts/mutation/*.toml, a file a room, each fault with its name, the file, the text
 before and after, and the tests that must fail.  Ends with exit code 1 if a fault lives, and with 2, before
-anything is run, if the text of one is not found exactly once: whoever rewrites a place moves its fault along.
+anything is run, if the text of one is not found exactly once, or one of its tests is not there: whoever
+rewrites a place moves its fault along.
 """
 
 from __future__ import annotations
@@ -114,12 +115,34 @@ def copied(tree: Path) -> Path:
     return tree
 
 
+def tests_of(wanted: list[Fault]) -> list[str]:
+    """The tests of some faults, each once."""
+    return sorted({test for fault in wanted for test in fault.tests})
+
+
+def check_tests_are_there(wanted: list[Fault]) -> None:
+    """Exits unless every test has the name by which it is called here."""
+    command = [sys.executable, "-m", "pytest", "-q", "--collect-only", "-p", "no:cacheprovider"]
+    run = subprocess.run(
+        [*command, *tests_of(wanted)],
+        cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if run.returncode:
+        print(run.stderr or run.stdout, file=sys.stderr)
+        sys.exit(2)
+
+
 def check_without_faults(wanted: list[Fault], tree: Path, jobs: int) -> None:
     """Exits unless all the tests pass where nothing is wrong: else every fault would seem noticed."""
-    tests = sorted({test for fault in wanted for test in fault.tests})
-    command = [sys.executable, "-m", "pytest", "-q", "-n", str(jobs), "-p", "no:cacheprovider", *tests]
+    command = [sys.executable, "-m", "pytest", "-q", "-n", str(jobs), "-p", "no:cacheprovider"]
     environment = surroundings(tree)
-    run = subprocess.run(command, cwd=tree, env=environment, capture_output=True, text=True, check=False)
+    run = subprocess.run(
+        [*command, *tests_of(wanted)], cwd=tree, env=environment, capture_output=True, text=True, check=False
+    )
     if run.returncode:
         print(f"{run.stdout}{run.stderr}\nthe tests fail where no fault is planted", file=sys.stderr)
         sys.exit(2)
@@ -168,7 +191,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("words", nargs="*", help="only faults whose name, room or file contains one of these")
     parser.add_argument("-j", "--jobs", type=int, default=2, help="how many side by side (default: 2)")
-    parser.add_argument("--check", action="store_true", help="only look whether every place is there")
+    parser.add_argument(
+        "--check", action="store_true", help="only look whether every place and test is there"
+    )
     parser.add_argument("--markdown", type=Path, help="a file for the table")
     arguments = parser.parse_args()
     wanted = [
@@ -186,8 +211,9 @@ def main() -> None:
     if wrong:
         print("\n".join(wrong), file=sys.stderr)
         sys.exit(2)
+    check_tests_are_there(wanted)
     if arguments.check:
-        print(f"{len(wanted)} faults, every place is there")
+        print(f"{len(wanted)} faults, every place and every test is there")
         return
     results = all_noticed(wanted, arguments.jobs)
     killed = sum(found == "killed" for found, _ in results.values())
