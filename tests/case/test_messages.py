@@ -111,7 +111,7 @@ def test_a_wrong_unit_is_shown_with_its_line_and_a_caret(says: Says) -> None:
         ),
         pytest.param(
             "velocity: 300 km/h",
-            "velocty: 300 km/h",
+            "gravity: 9.8",
             'case.yaml:1:1: velocity: missing; expected a positive speed, e.g. "300 km/h" or 83.3333',
             id="missing key",
         ),
