@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from tbi_cli.verify.cases import VERIFICATIONS
 from tbi_cli.verify.references.parameters import Array
@@ -22,8 +23,8 @@ GROUPS = [v for v in VERIFICATIONS if v.number not in _DEAR | _WITHOUT_RESULTS]
 class Disturbed(Solved):
     """A results file whose numbers are off by 3 to 10 %, and by shares of their largest one and of 1e-3."""
 
-    def __init__(self, path: Path, seed: int) -> None:
-        super().__init__(path)
+    def __init__(self, path: Path, case: str, seed: int) -> None:
+        super().__init__(path, yaml.safe_load(case))
         self._random = np.random.default_rng(seed)
 
     def _off(self, values: Array) -> Array:
@@ -47,7 +48,7 @@ def test_every_check_fails_on_results_that_are_off(verification: Verification, t
     solved = {}
     for seed, (name, case) in enumerate(verification.cases.items()):
         solve(case, name, tmp_path).close()
-        solved[name] = Disturbed(tmp_path / f"{name}.h5", seed)
+        solved[name] = Disturbed(tmp_path / f"{name}.h5", case, seed)
     outcome = verification.compare(solved)
     for file in solved.values():
         file.close()
