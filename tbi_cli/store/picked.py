@@ -33,10 +33,14 @@ def settled(layout: Layout) -> Layout:
 def numbers_in(dims: Sequence[Dim], whole: Sequence[NDArray[np.float64]]) -> NDArray[np.int64]:
     """The flat index in a whole grid of each case of a grid that has some of its values.
 
-    Raises StoreError where it has a value of its own.
+    An axis that has all of them may have equal ones, as drawn samples do.  Raises StoreError where it has a
+    value of its own.
     """
     places = []
     for dim, values in zip(dims, whole, strict=True):
+        if np.array_equal(dim.values, values):
+            places.append(np.arange(len(values)))
+            continue
         order = np.argsort(values, kind="stable")
         place = order[np.minimum(np.searchsorted(values, dim.values, sorter=order), len(values) - 1)]
         if not np.array_equal(values[place], dim.values):
