@@ -122,17 +122,24 @@ def tests_of(wanted: list[Fault]) -> list[str]:
 
 def check_tests_are_there(wanted: list[Fault]) -> None:
     """Exits unless every test has the name by which it is called here."""
-    command = [sys.executable, "-m", "pytest", "-q", "--collect-only", "-p", "no:cacheprovider"]
+    tests = tests_of(wanted)
+    files = sorted({test.partition("::")[0] for test in tests})
     run = subprocess.run(
-        [*command, *tests_of(wanted)],
+        [sys.executable, "-m", "pytest", "-q", "--collect-only", "-p", "no:cacheprovider", *files],
         cwd=ROOT,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
         check=False,
     )
-    if run.returncode:
-        print(run.stderr or run.stdout, file=sys.stderr)
+    there = run.stdout.splitlines()
+    absent = [
+        test
+        for test in tests
+        if not any(line == test or line.startswith((f"{test}[", f"{test}::")) for line in there)
+    ]
+    if run.returncode or absent:
+        print("\n".join([run.stderr, *(f"{test}: no such test" for test in absent)]), file=sys.stderr)
         sys.exit(2)
 
 
